@@ -1,0 +1,11 @@
+// A request to stop (SIGINT, SIGTERM): the frame in hand is finished, then the command ends with status 1.
+#pragma once
+
+namespace matchlight {
+
+/// Makes SIGINT and SIGTERM set the flag; a second signal ends the process at once.
+void install_stop_handlers();
+
+bool stop_requested();
+
+}  // namespace matchlight

@@ -1,0 +1,102 @@
+// The scene file: what the user says of footage, tags, light, objects, effects and output.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/transforms.h"
+#include "core/warnings.h"
+#include "lighting/probe.h"
+
+namespace matchlight {
+
+struct FootageSettings {
+    std::filesystem::path video;  // a video, or an image sequence "frames/%04d.jpg"
+    std::filesystem::path camera;
+    std::filesystem::path solve;  // "<scene>.solve.json" beside the scene unless given
+    std::optional<std::filesystem::path> response;
+    std::optional<double> fps;                // for image sequences
+    std::optional<std::string> color_matrix;  // "bt601", "bt709", "bt2020": overrides the file's tag
+    std::optional<std::string> color_range;   // "limited", "full"
+};
+
+struct RigTag {
+    int id = 0;
+    double size_m = 0;
+    std::optional<RigidTransform> world_from_tag;  // absent: to be solved
+};
+
+struct TagSettings {
+    std::string family = "tag36h11";
+    std::vector<RigTag> rig;
+    double white_albedo = 0.8;
+    double black_albedo = 0.04;
+};
+
+struct ProbeSettings {
+    std::filesystem::path path;
+    std::optional<ProbeMapping> mapping;
+    ProbePlacement placement;
+    std::optional<Eigen::Vector3d> place_m;  // where it was taken, in the world
+};
+
+enum class ReflectionForm { cube, sphere_map };
+
+struct MaterialOverride {
+    std::optional<std::array<double, 3>> base_color;  // scene-linear
+    std::optional<double> metallic, roughness;
+    std::optional<std::array<double, 3>> emissive;  // radiance, probe units
+    std::optional<std::array<double, 3>> diffuse;   // Od of the classic model
+    std::optional<std::array<double, 3>> specular;  // Ks of the classic model
+};
+
+struct ObjectSettings {
+    std::filesystem::path model;  // empty when `shape` is given
+    std::string shape;            // "sphere", "box", "plane", "torus", "cylinder"
+    std::string name;             // for layers and messages; the file's stem unless given
+    Eigen::Vector3d translate_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d rotate_deg = Eigen::Vector3d::Zero();
+    Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+    std::optional<int> parent_tag;  // coordinates are that tag's instead of the world's
+    ReflectionForm reflection = ReflectionForm::cube;
+    bool casts_shadow = true;
+    MaterialOverride material;
+};
+
+struct SurfaceSettings {
+    bool present = true;  // [surface] enabled = false turns shadow catching off
+    double z_m = 0;
+    bool shadow = true;
+};
+
+enum class QualityLevel { draft, preview, final_, reference };
+
+struct OutputSettings {
+    std::string codec = "h264";  // h264, h265, ffv1, prores4444
+    std::optional<int> crf;
+    std::optional<std::string> pixel_format;  // the footage's own unless given
+    bool audio = true;
+};
+
+struct Scene {
+    std::filesystem::path path;
+    FootageSettings footage;
+    TagSettings tags;
+    std::optional<ProbeSettings> probe;
+    std::vector<ObjectSettings> objects;
+    SurfaceSettings surface;
+    QualityLevel quality = QualityLevel::final_;
+    OutputSettings output;
+    std::string effective_toml;  // every setting with its value, defaults included: recorded in outputs
+};
+
+/// Reads a scene file; paths are made relative to its folder. An unknown key is an error with line and nearest known
+/// key. Throws InputError.
+Scene load_scene(const std::filesystem::path& path, Warnings& warnings);
+
+}  // namespace matchlight
