@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that Matchlight is built and run with, where they are missing: the one list of them.
+#
+# Usage: samples/install_packages.sh [--development]
+# --development adds what the checks of the source text need (formatter, linter).
+set -euo pipefail
+
+packages=(
+    # building
+    cmake g++ ninja-build pkg-config dpkg-dev file
+    # core, commands and tests
+    libcli11-dev libeigen3-dev libfmt-dev libgmock-dev libgtest-dev libspdlog-dev libtomlplusplus-dev nlohmann-json3-dev
+    # footage and images
+    libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libopencv-dev libopenexr-dev libopenimageio-dev
+    # tracking
+    libapriltag-dev libceres-dev
+    # models and drawing; Mesa's software rasteriser serves where there is no GPU
+    libassimp-dev libegl-dev libegl1 libegl-mesa0 libepoxy-dev libgl1-mesa-dri libglfw3-dev libglm-dev
+)
+if [ "${1:-}" = "--development" ]; then
+    packages+=(ccache clang-format clang-tidy)
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+    status=$(dpkg-query --show --showformat '${db:Status-Status}' "$package" 2>/dev/null || true)
+    if [ "$status" != installed ]; then
+        missing+=("$package")
+    fi
+done
+if [ "${#missing[@]}" -eq 0 ]; then
+    exit 0
+fi
+
+echo "Installing Debian packages: ${missing[*]}"
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+    as_root=(sudo)
+fi
+"${as_root[@]}" apt-get update
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends "${missing[@]}"
