@@ -17,7 +17,9 @@ namespace {
 
 std::string one_line(const InputErrorParts& parts) {
     std::string line;
-    if (!parts.file.empty()) line += parts.file.string() + ": ";
+    if (!parts.file.empty()) line += parts.file.string();
+    if (parts.line) line += fmt::format(":{}", *parts.line);
+    if (!line.empty()) line += ": ";
     if (parts.frame) line += fmt::format("frame {}: ", *parts.frame);
     line += parts.cause;
     if (!parts.cure.empty()) line += "; " + parts.cure;
@@ -29,9 +31,9 @@ std::string one_line(const InputErrorParts& parts) {
 InputError::InputError(InputErrorParts parts) : std::runtime_error(one_line(parts)), parts_(std::move(parts)) {}
 
 InputError::InputError(const std::filesystem::path& file, std::string cause, std::string cure)
-    : InputError(InputErrorParts{file, std::nullopt, std::move(cause), std::move(cure)}) {}
+    : InputError(InputErrorParts{file, std::nullopt, std::move(cause), std::move(cure), std::nullopt}) {}
 
 InputError::InputError(const std::filesystem::path& file, std::int64_t frame, std::string cause, std::string cure)
-    : InputError(InputErrorParts{file, frame, std::move(cause), std::move(cure)}) {}
+    : InputError(InputErrorParts{file, frame, std::move(cause), std::move(cure), std::nullopt}) {}
 
 }  // namespace matchlight

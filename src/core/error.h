@@ -15,7 +15,8 @@ struct InputErrorParts {
     std::filesystem::path file;         // empty where no file is concerned
     std::optional<std::int64_t> frame;  // counted from 0
     std::string cause;
-    std::string cure;  // empty where none is known
+    std::string cure;                  // empty where none is known
+    std::optional<std::int64_t> line;  // of a text file, counted from 1: "table.toml:12: unknown key 'expsure_ev'"
 };
 
 /// A bad input or a failed job: the program ends with status 1. Programming errors are asserted instead.

@@ -80,6 +80,7 @@ struct OutputSettings {
     std::string codec = "h264";  // h264, h265, ffv1, prores4444
     std::optional<int> crf;
     std::optional<std::string> pixel_format;  // the footage's own unless given
+    std::string preset = "medium";            // of x264 and x265: faster or smaller
     bool audio = true;
 };
 
@@ -94,6 +95,10 @@ struct Scene {
     OutputSettings output;
     std::string effective_toml;  // every setting with its value, defaults included: recorded in outputs
 };
+
+/// The settings of a scene file as Markdown tables, from the table that also checks them: `render --help-scene` and the
+/// README print it.
+std::string scene_schema_text();
 
 /// Reads a scene file; paths are made relative to its folder. An unknown key is an error with line and nearest known
 /// key. Throws InputError.

@@ -1,0 +1,270 @@
+// Reads a scene file by the schema, then checks what only several settings together can tell.
+#include "scene/scene_file.h"
+
+#include <algorithm>
+#include <cassert>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "scene/scene_schema.h"
+#include "scene/setting_reader.h"
+
+namespace matchlight {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A scene file is text a person writes; this is thousands of objects.
+constexpr std::size_t scene_limit_bytes = 16u << 20;
+
+/// Number of tags in each family (AprilTag 3's code tables).
+const std::map<std::string, int, std::less<>> family_sizes = {
+    {"tag36h11", 587}, {"tag25h9", 35}, {"tag16h5", 30}, {"tagStandard41h12", 2115}, {"tagCircle21h7", 38}};
+
+class SceneReader {
+public:
+    SceneReader(SceneSource source, Warnings& warnings) : source_(std::move(source)), warnings_(warnings) {}
+
+    Scene read(const toml::table& root) {
+        scene_.path = source_.path;
+        check_sections(root);
+        for (const SceneSection& section : scene_sections()) read_section_of_root(root, section);
+        scene_.effective_toml = std::move(effective_);
+        return std::move(scene_);
+    }
+
+private:
+    void check_sections(const toml::table& root);
+    void read_section_of_root(const toml::table& root, const SceneSection& section);
+    /// Reads every setting of a section and returns them, defaults included, as lines of TOML.
+    std::vector<std::string> read_table(const SceneSection& section, const toml::table& table);
+    std::optional<std::string> read_value(const Setting& setting, const toml::node& node);
+    void check_keys(const SceneSection& section, const toml::table& table);
+
+    const toml::table& light_of(const toml::node& node);
+    void check_tag(const toml::table& table);
+    void check_object(const toml::table& table);
+
+    void append(std::string_view header, const std::vector<std::string>& lines) {
+        if (!effective_.empty()) effective_ += "\n";
+        effective_ += fmt::format("{}\n{}\n", header, fmt::join(lines, "\n"));
+    }
+
+    SceneSource source_;
+    Warnings& warnings_;
+    Scene scene_;
+    std::string effective_;
+};
+
+void SceneReader::check_sections(const toml::table& root) {
+    std::vector<std::string_view> known;
+    for (const SceneSection& section : scene_sections()) {
+        if (section.use != SectionUse::nested) known.push_back(section.name);
+    }
+    for (const auto& [key, node] : root) {
+        const SceneSection* section = find_section(key);
+        if (section == nullptr || section->use == SectionUse::nested) {
+            source_.fail(key, fmt::format("unknown section '{}'", std::string_view(key)),
+                         fmt::format("did you mean '{}'?", nearest_word(key, known)));
+        }
+        if (section->use == SectionUse::not_built) {
+            source_.fail(key, fmt::format("[{}]: this version cannot render a scene without footage", section->name),
+                         "give [footage] with video and camera");
+        }
+    }
+}
+
+void SceneReader::read_section_of_root(const toml::table& root, const SceneSection& section) {
+    if (section.use == SectionUse::nested || section.use == SectionUse::not_built) return;
+    const toml::node* node = root.get(section.name);
+    if (section.use == SectionUse::repeated) {
+        if (node == nullptr) return;
+        const toml::array* array = node->as_array();
+        if (array == nullptr) {
+            source_.fail(*node, fmt::format("[{0}] is a list: write [[{0}]]", section.name));
+        }
+        for (const toml::node& item : *array) {
+            if (!item.is_table()) source_.fail(item, fmt::format("[[{}]] is a table of settings", section.name));
+            append(fmt::format("[[{}]]", section.name), read_table(section, *item.as_table()));
+        }
+        return;
+    }
+    if (node == nullptr && section.use == SectionUse::optional) return;
+    if (node == nullptr && section.name == "footage") {
+        source_.fail(root, "this version cannot render a scene without footage",
+                     "give [footage] with video and camera");
+    }
+    static const toml::table nothing;
+    const toml::table* table = node == nullptr ? &nothing : node->as_table();
+    if (section.name == "light") table = &light_of(*node);
+    if (table == nullptr) source_.fail(*node, fmt::format("[{}] is a table of settings", section.name));
+    append(fmt::format("[{}]", section.name), read_table(section, *table));
+}
+
+/// [light], or the one entry of [[light]] that holds a probe.
+const toml::table& SceneReader::light_of(const toml::node& node) {
+    if (const toml::table* table = node.as_table()) {
+        if (const toml::node* type = table->get("type")) {
+            source_.fail(*type, "[light] with a type: this version has no analytic lights",
+                         "light the scene by a probe");
+        }
+        return *table;
+    }
+    const toml::array* array = node.as_array();
+    if (array == nullptr || array->empty()) source_.fail(node, "[light] is a table of settings");
+    for (const toml::node& item : *array) {
+        const toml::table* table = item.as_table();
+        if (table == nullptr) source_.fail(item, "[[light]] is a table of settings");
+        if (!table->contains("probe")) {
+            source_.fail(item, "[[light]]: this version has no analytic lights", "light the scene by [light] probe");
+        }
+    }
+    if (array->size() > 1) source_.fail((*array)[1], "[[light]]: a scene has one probe");
+    return *(*array)[0].as_table();
+}
+
+void SceneReader::check_keys(const SceneSection& section, const toml::table& table) {
+    std::vector<std::string_view> known;
+    for (const Setting& setting : scene_settings()) {
+        if (setting.section == section.name) known.push_back(setting.key);
+    }
+    for (const auto& [key, node] : table) {
+        const std::string_view word = key;
+        if (std::find(known.begin(), known.end(), word) != known.end()) continue;
+        std::string cure = fmt::format("did you mean '{}'?", nearest_word(word, known));
+        for (const Setting& setting : scene_settings()) {
+            if (setting.key == word) cure = fmt::format("it belongs in [{}]", setting.section);
+        }
+        source_.fail(key, fmt::format("unknown key '{}' in [{}]", word, section.name), cure);
+    }
+}
+
+std::vector<std::string> SceneReader::read_table(const SceneSection& section, const toml::table& table) {
+    check_keys(section, table);
+    if (section.begin != nullptr) section.begin(scene_);
+    std::vector<std::string> lines;
+    for (const Setting& setting : scene_settings()) {
+        if (setting.section != section.name) continue;
+        const toml::node* node = table.get(setting.key);
+        if (node != nullptr) {
+            if (const auto text = read_value(setting, *node))
+                lines.push_back(fmt::format("{} = {}", setting.key, *text));
+        } else if (setting.fallback == must_be_given) {
+            source_.fail(table, fmt::format("'{}' is missing in [{}]: {}", setting.key, section.name, setting.help));
+        } else if (!setting.fallback.empty()) {
+            const toml::table fallback = toml::parse(fmt::format("value = {}", setting.fallback));
+            if (setting.set != nullptr) setting.set(scene_, read_setting(source_, setting, *fallback.get("value")));
+            lines.push_back(fmt::format("{} = {}", setting.key, setting.fallback));
+        }
+    }
+    if (section.name == "tags.rig") check_tag(table);
+    if (section.name == "object") check_object(table);
+    return lines;
+}
+
+/// The value as TOML; nullopt where the setting is known but left out.
+std::optional<std::string> SceneReader::read_value(const Setting& setting, const toml::node& node) {
+    const auto nested = [&](const toml::node& item) {
+        const toml::table* table = item.as_table();
+        if (table == nullptr) {
+            source_.fail(item, fmt::format("'{}' in [{}] holds tables of settings", setting.key, setting.section));
+        }
+        const SceneSection* section = find_section(fmt::format("{}.{}", setting.section, setting.key));
+        assert(section != nullptr);
+        return fmt::format("{{{}}}", fmt::join(read_table(*section, *table), ", "));
+    };
+    switch (setting.domain.kind) {
+        case SettingKind::section:
+            return nested(node);
+        case SettingKind::sections: {
+            const toml::array* array = node.as_array();
+            if (array == nullptr || array->empty()) {
+                source_.fail(node, fmt::format("'{}' in [{}] is a list of at least one entry: {}", setting.key,
+                                               setting.section, setting.help));
+            }
+            std::vector<std::string> items;
+            for (const toml::node& item : *array) items.push_back(nested(item));
+            return fmt::format("[{}]", fmt::join(items, ", "));
+        }
+        case SettingKind::left_out: {
+            const bool off = node.value_exact<std::string>() == "off" || node.value_exact<bool>() == false;
+            if (!off) {
+                warnings_.add(fmt::format("{}:{}: '{}' in [{}]: not available in this version, left out",
+                                          source_.path.string(), node.source().begin.line, setting.key,
+                                          setting.section));
+            }
+            return setting.fallback.empty() ? std::nullopt : std::optional(std::string(setting.fallback));
+        }
+        case SettingKind::not_built:
+            source_.fail(node, fmt::format("'{}' in [{}]: this version cannot do it ({})", setting.key, setting.section,
+                                           setting.help));
+        default:
+            setting.set(scene_, read_setting(source_, setting, node));
+            return toml_text(node);
+    }
+}
+
+void SceneReader::check_tag(const toml::table& table) {
+    const RigTag& tag = scene_.tags.rig.back();
+    const toml::node& id = *table.get("id");
+    for (std::size_t i = 0; i + 1 < scene_.tags.rig.size(); ++i) {
+        if (scene_.tags.rig[i].id == tag.id) source_.fail(id, fmt::format("the rig has the tag {} twice", tag.id));
+    }
+    const int family_size = family_sizes.at(scene_.tags.family);
+    if (tag.id >= family_size) {
+        source_.fail(id,
+                     fmt::format("there is no tag {} in {} (0 to {})", tag.id, scene_.tags.family, family_size - 1));
+    }
+}
+
+void SceneReader::check_object(const toml::table& table) {
+    ObjectSettings& object = scene_.objects.back();
+    if (object.model.empty() == object.shape.empty()) {
+        source_.fail(table,
+                     fmt::format("[[object]] {} has {} of model and shape", scene_.objects.size(),
+                                 object.model.empty() ? "neither" : "both"),
+                     "give one");
+    }
+    if (object.parent_tag) {
+        const bool known = std::any_of(scene_.tags.rig.begin(), scene_.tags.rig.end(),
+                                       [&](const RigTag& tag) { return tag.id == *object.parent_tag; });
+        if (!known) {
+            source_.fail(*table.get("parent_tag"),
+                         fmt::format("the rig has no tag {} to be a parent", *object.parent_tag));
+        }
+    }
+    if (!object.name.empty()) return;
+    // Layers need names of their own: the second "sphere" becomes "sphere 2".
+    const std::string stem = object.model.empty() ? object.shape : object.model.stem().string();
+    const auto taken = [&](const std::string& name) {
+        return std::any_of(scene_.objects.begin(), scene_.objects.end() - 1,
+                           [&](const ObjectSettings& other) { return other.name == name; });
+    };
+    object.name = stem;
+    for (int number = 2; taken(object.name); ++number) object.name = fmt::format("{} {}", stem, number);
+}
+
+}  // namespace
+
+Scene load_scene(const fs::path& path, Warnings& warnings) {
+    const SceneSource source{path};
+    const std::string text = read_text_file(path, scene_limit_bytes);
+    toml::table root;
+    try {
+        root = toml::parse(text);
+    } catch (const toml::parse_error& error) {
+        throw InputError(InputErrorParts{path, std::nullopt, std::string(error.description()), "",
+                                         static_cast<std::int64_t>(error.source().begin.line)});
+    }
+    Scene scene = SceneReader(source, warnings).read(root);
+    if (scene.footage.solve.empty()) {
+        scene.footage.solve = path.parent_path() / (path.stem().string() + ".solve.json");
+    }
+    return scene;
+}
+
+}  // namespace matchlight

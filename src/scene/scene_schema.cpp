@@ -1,0 +1,300 @@
+// The settings of a scene file, one row each, and the Markdown made from them.
+#include "scene/scene_schema.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+namespace matchlight {
+namespace {
+
+SettingDomain of_kind(SettingKind kind) {
+    return {.kind = kind, .choices = {}};
+}
+SettingDomain between(SettingKind kind, double lowest, double highest) {
+    return {.kind = kind, .lowest = lowest, .highest = highest, .choices = {}};
+}
+SettingDomain above(SettingKind kind, double lowest, double highest) {
+    return {.kind = kind, .lowest = lowest, .highest = highest, .above_lowest = true, .choices = {}};
+}
+SettingDomain one_of(std::vector<std::string_view> choices) {
+    return {.kind = SettingKind::choice, .choices = std::move(choices)};
+}
+
+std::array<double, 3> color_of(const SettingValue& value) {
+    return {value.vector.x(), value.vector.y(), value.vector.z()};
+}
+
+/// A tag's place is known as soon as one part of it is given; the other parts are 0.
+RigidTransform& place_of(Scene& scene) {
+    auto& place = scene.tags.rig.back().world_from_tag;
+    if (!place) place = RigidTransform::Identity();
+    return *place;
+}
+
+MaterialOverride& material_of(Scene& scene) {
+    return scene.objects.back().material;
+}
+
+const std::vector<SceneSection> section_table = {
+    {"footage", SectionUse::always, "The recorded video.", nullptr},
+    {"tags", SectionUse::always, "The AprilTags in the footage.", nullptr},
+    {"tags.rig", SectionUse::nested, "One entry a tag.", [](Scene& s) { s.tags.rig.emplace_back(); }},
+    {"light", SectionUse::optional, "The light probe.", [](Scene& s) { s.probe.emplace(); }},
+    {"object", SectionUse::repeated, "A virtual object, one `[[object]]` each.",
+     [](Scene& s) { s.objects.emplace_back(); }},
+    {"object.material", SectionUse::nested, "Overrides of the materials in the model's file.", nullptr},
+    {"surface", SectionUse::always, "The real surface that catches shadows.", nullptr},
+    {"effects", SectionUse::always, "Effects of the camera on the virtual light.", nullptr},
+    {"quality", SectionUse::always, "Error against run time.", nullptr},
+    {"output", SectionUse::always, "How the result is encoded.", nullptr},
+    {"camera", SectionUse::not_built, "The virtual camera of a scene without footage.", nullptr},
+    {"background", SectionUse::not_built, "The background of a scene without footage.", nullptr},
+};
+
+// The order of the words in a choice is the order of the enumerators it is cast to.
+using enum SettingKind;
+const std::vector<Setting> setting_table = {
+    {"footage", "video", of_kind(footage), "", must_be_given,
+     "video file, or an image sequence such as `frames/%04d.jpg`",
+     [](Scene& s, const SettingValue& v) { s.footage.video = v.path; }},
+    {"footage", "camera", of_kind(input_file), "", must_be_given, "the lens: OpenCV's YAML, as `calibrate` writes it",
+     [](Scene& s, const SettingValue& v) { s.footage.camera = v.path; }},
+    {"footage", "solve", of_kind(any_file), "", "",
+     "written by `track`, read by `render`; beside the scene under its name unless given",
+     [](Scene& s, const SettingValue& v) { s.footage.solve = v.path; }},
+    {"footage", "response", of_kind(input_file), "", "", "the camera's response curve; sRGB unless given",
+     [](Scene& s, const SettingValue& v) { s.footage.response = v.path; }},
+    {"footage", "fps", above(number, 0, 10000), "1/s", "", "frame rate of an image sequence; 25 unless given",
+     [](Scene& s, const SettingValue& v) { s.footage.fps = v.number; }},
+    {"footage", "color_matrix", one_of({"bt601", "bt709", "bt2020"}), "", "", "overrides the file's tag",
+     [](Scene& s, const SettingValue& v) { s.footage.color_matrix = v.text; }},
+    {"footage", "color_range", one_of({"limited", "full"}), "", "", "overrides the file's tag",
+     [](Scene& s, const SettingValue& v) { s.footage.color_range = v.text; }},
+
+    {"tags", "family", one_of({"tag36h11", "tag25h9", "tag16h5", "tagStandard41h12", "tagCircle21h7"}), "",
+     "\"tag36h11\"", "AprilTag family", [](Scene& s, const SettingValue& v) { s.tags.family = v.text; }},
+    {"tags", "rig", of_kind(sections), "", must_be_given, "the tags that belong together", nullptr},
+    {"tags", "white_albedo", above(number, 0, 1), "", "0.8", "reflectance of the tags' paper, the grey card",
+     [](Scene& s, const SettingValue& v) { s.tags.white_albedo = v.number; }},
+    {"tags", "black_albedo", between(number, 0, 1), "", "0.04", "reflectance of the tags' ink",
+     [](Scene& s, const SettingValue& v) { s.tags.black_albedo = v.number; }},
+
+    {"tags.rig", "id", between(integer, 0, 100000), "", must_be_given, "the tag's number in its family",
+     [](Scene& s, const SettingValue& v) { s.tags.rig.back().id = static_cast<int>(v.integer); }},
+    {"tags.rig", "size", above(number, 0, 1000), "m", must_be_given,
+     "distance between detection corners (tag36h11: side of the black border)",
+     [](Scene& s, const SettingValue& v) { s.tags.rig.back().size_m = v.number; }},
+    {"tags.rig", "x", between(number, -1e6, 1e6), "m", "", "centre of the tag, where known",
+     [](Scene& s, const SettingValue& v) { place_of(s).translation().x() = v.number; }},
+    {"tags.rig", "y", between(number, -1e6, 1e6), "m", "", "as x",
+     [](Scene& s, const SettingValue& v) { place_of(s).translation().y() = v.number; }},
+    {"tags.rig", "z", between(number, -1e6, 1e6), "m", "", "as x",
+     [](Scene& s, const SettingValue& v) { place_of(s).translation().z() = v.number; }},
+    {"tags.rig", "rotation_deg", between(rotation, -36000, 36000), "deg", "", "about z, or about x, then y, then z",
+     [](Scene& s, const SettingValue& v) { place_of(s).linear() = rotation_from_degrees(v.vector); }},
+
+    {"light", "probe", of_kind(input_file), "", must_be_given, "HDR image of the light, .exr or .hdr",
+     [](Scene& s, const SettingValue& v) { s.probe->path = v.path; }},
+    {"light", "mapping", one_of({"latlong", "angular", "mirrorball", "cube"}), "", "",
+     "recognised by shape and metadata unless given",
+     [](Scene& s, const SettingValue& v) { s.probe->mapping = static_cast<ProbeMapping>(v.choice); }},
+    {"light", "rotation_deg", between(number, -36000, 36000), "deg", "0",
+     "turns the light counter-clockwise seen from above",
+     [](Scene& s, const SettingValue& v) { s.probe->placement.rotation_deg = v.number; }},
+    {"light", "exposure_ev", between(number, -64, 64), "EV", "0", "radiance × 2^ev",
+     [](Scene& s, const SettingValue& v) { s.probe->placement.exposure_ev = v.number; }},
+    {"light", "place", between(vector, -1e6, 1e6), "m", "", "where in the world the probe was taken",
+     [](Scene& s, const SettingValue& v) { s.probe->place_m = v.vector; }},
+
+    {"object", "model", of_kind(input_file), "", "", "glTF 2.0 (.gltf, .glb), OBJ, PLY or STL",
+     [](Scene& s, const SettingValue& v) { s.objects.back().model = v.path; }},
+    {"object", "shape", one_of({"sphere", "box", "plane", "torus", "cylinder"}), "", "", "instead of a model",
+     [](Scene& s, const SettingValue& v) { s.objects.back().shape = v.text; }},
+    {"object", "spheres", of_kind(not_built), "", "", "a set of spheres, instead of a model", nullptr},
+    {"object", "name", of_kind(text), "", "", "for layers and messages; the file's stem unless given",
+     [](Scene& s, const SettingValue& v) { s.objects.back().name = v.text; }},
+    {"object", "translate", between(vector, -1e6, 1e6), "m", "[0, 0, 0]", "last of the three: scale, rotate, translate",
+     [](Scene& s, const SettingValue& v) { s.objects.back().translate_m = v.vector; }},
+    {"object", "rotate_deg", between(rotation, -36000, 36000), "deg", "[0, 0, 0]",
+     "about z, or about x, then y, then z of the world",
+     [](Scene& s, const SettingValue& v) { s.objects.back().rotate_deg = v.vector; }},
+    {"object", "scale", above(scale, 0, 1e6), "", "[1, 1, 1]", "one number, or one an axis",
+     [](Scene& s, const SettingValue& v) { s.objects.back().scale = v.vector; }},
+    {"object", "parent_tag", between(integer, 0, 100000), "", "", "coordinates are that tag's instead of the world's",
+     [](Scene& s, const SettingValue& v) { s.objects.back().parent_tag = static_cast<int>(v.integer); }},
+    {"object", "reflection", one_of({"cube", "sphere_map"}), "", "\"cube\"", "form in which the probe is reflected",
+     [](Scene& s, const SettingValue& v) { s.objects.back().reflection = static_cast<ReflectionForm>(v.choice); }},
+    {"object", "casts_shadow", of_kind(boolean), "", "true", "on the surface",
+     [](Scene& s, const SettingValue& v) { s.objects.back().casts_shadow = v.boolean; }},
+    {"object", "material", of_kind(section), "", "", "overrides of the file's own materials", nullptr},
+
+    {"object.material", "base_color", between(color, 0, 1), "", "", "scene-linear",
+     [](Scene& s, const SettingValue& v) { material_of(s).base_color = color_of(v); }},
+    {"object.material", "metallic", between(number, 0, 1), "", "", "0 dielectric, 1 metal",
+     [](Scene& s, const SettingValue& v) { material_of(s).metallic = v.number; }},
+    {"object.material", "roughness", between(number, 0, 1), "", "", "perceptual, as in glTF",
+     [](Scene& s, const SettingValue& v) { material_of(s).roughness = v.number; }},
+    {"object.material", "emissive", between(color, 0, 1e6), "probe units", "", "emitted radiance",
+     [](Scene& s, const SettingValue& v) { material_of(s).emissive = color_of(v); }},
+    {"object.material", "diffuse", between(color, 0, 1), "", "", "Od of the classic model",
+     [](Scene& s, const SettingValue& v) { material_of(s).diffuse = color_of(v); }},
+    {"object.material", "specular", between(color, 0, 1), "", "", "Ks of the classic model",
+     [](Scene& s, const SettingValue& v) { material_of(s).specular = color_of(v); }},
+
+    {"surface", "enabled", of_kind(boolean), "", "true", "false: nothing catches shadows",
+     [](Scene& s, const SettingValue& v) { s.surface.present = v.boolean; }},
+    {"surface", "z", between(number, -1e6, 1e6), "m", "0", "height of the surface in the world",
+     [](Scene& s, const SettingValue& v) { s.surface.z_m = v.number; }},
+    {"surface", "shadow", of_kind(boolean), "", "true", "objects shade it",
+     [](Scene& s, const SettingValue& v) { s.surface.shadow = v.boolean; }},
+
+    {"effects", "bloom", of_kind(left_out), "", "\"off\"", "off", nullptr},
+    {"effects", "glare", of_kind(left_out), "", "\"off\"", "off", nullptr},
+    {"effects", "exposure", of_kind(left_out), "", "\"off\"", "off (the footage's own exposure is always met)",
+     nullptr},
+    {"effects", "depth_of_field", of_kind(left_out), "", "\"off\"", "off", nullptr},
+    {"effects", "motion_blur", of_kind(left_out), "", "\"off\"", "off", nullptr},
+    {"effects", "grain", of_kind(left_out), "", "\"off\"", "off", nullptr},
+    {"effects", "vignette", of_kind(left_out), "", "\"off\"", "off", nullptr},
+    {"effects", "chromatic_aberration", of_kind(left_out), "", "\"off\"", "off", nullptr},
+
+    {"quality", "level", one_of({"draft", "preview", "final", "reference"}), "", "\"final\"", "how exactly to render",
+     [](Scene& s, const SettingValue& v) { s.quality = static_cast<QualityLevel>(v.choice); }},
+    {"quality", "budget_ms", of_kind(left_out), "ms", "", "time for a frame, instead of a level", nullptr},
+
+    {"output", "codec", one_of({"h264", "h265", "ffv1", "prores4444"}), "", "\"h264\"", "of video files",
+     [](Scene& s, const SettingValue& v) { s.output.codec = v.text; }},
+    {"output", "crf", between(integer, 0, 51), "", "",
+     "h264 and h265: 0 lossless, 51 worst; the codec's own unless given",
+     [](Scene& s, const SettingValue& v) { s.output.crf = static_cast<int>(v.integer); }},
+    {"output", "pixel_format", of_kind(text), "", "", "FFmpeg's name; the footage's own unless given",
+     [](Scene& s, const SettingValue& v) { s.output.pixel_format = v.text; }},
+    {"output", "preset",
+     one_of({"ultrafast", "superfast", "veryfast", "faster", "fast", "medium", "slow", "slower", "veryslow"}), "",
+     "\"medium\"", "h264 and h265: faster or smaller",
+     [](Scene& s, const SettingValue& v) { s.output.preset = v.text; }},
+    {"output", "audio", of_kind(boolean), "", "true", "carry the sound over",
+     [](Scene& s, const SettingValue& v) { s.output.audio = v.boolean; }},
+};
+
+std::string_view type_name(SettingKind kind) {
+    switch (kind) {
+        case boolean:
+            return "true or false";
+        case integer:
+            return "whole number";
+        case number:
+            return "number";
+        case text:
+            return "text";
+        case choice:
+            return "word";
+        case color:
+            return "[r, g, b]";
+        case vector:
+            return "[x, y, z]";
+        case scale:
+        case rotation:
+            return "number or [x, y, z]";
+        case input_file:
+        case any_file:
+            return "file";
+        case footage:
+            return "file or pattern";
+        case section:
+            return "table";
+        case sections:
+            return "array of tables";
+        case left_out:
+        case not_built:
+            return "not in this version";
+    }
+    assert(false);
+    return {};
+}
+
+/// Edit distance with swaps of neighbours (optimal string alignment; Damerau, A technique for computer detection and
+/// correction of spelling errors, 1964).
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::vector<std::size_t>> distance(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+    for (std::size_t i = 0; i <= a.size(); ++i) distance[i][0] = i;
+    std::iota(distance[0].begin(), distance[0].end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t replaced = distance[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+            distance[i][j] = std::min({distance[i - 1][j] + 1, distance[i][j - 1] + 1, replaced});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+                distance[i][j] = std::min(distance[i][j], distance[i - 2][j - 2] + 1);
+            }
+        }
+    }
+    return distance[a.size()][b.size()];
+}
+
+}  // namespace
+
+std::span<const SceneSection> scene_sections() {
+    return section_table;
+}
+
+std::span<const Setting> scene_settings() {
+    return setting_table;
+}
+
+const SceneSection* find_section(std::string_view name) {
+    const auto found =
+        std::find_if(section_table.begin(), section_table.end(), [&](const auto& s) { return s.name == name; });
+    return found == section_table.end() ? nullptr : &*found;
+}
+
+const Setting* find_setting(std::string_view section_name, std::string_view key) {
+    const auto found = std::find_if(setting_table.begin(), setting_table.end(),
+                                    [&](const Setting& s) { return s.section == section_name && s.key == key; });
+    return found == setting_table.end() ? nullptr : &*found;
+}
+
+std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known) {
+    assert(!known.empty());
+    // A key nobody would type is compared by its beginning only, so that the table stays small.
+    const std::string_view start = word.substr(0, 64);
+    return *std::min_element(known.begin(), known.end(), [&](std::string_view a, std::string_view b) {
+        return edit_distance(start, a) < edit_distance(start, b);
+    });
+}
+
+std::string describe(const SettingDomain& domain) {
+    if (domain.kind == choice) return fmt::format("{}", fmt::join(domain.choices, ", "));
+    std::string words(type_name(domain.kind));
+    if (std::isfinite(domain.lowest)) {
+        words += fmt::format(", {} {}", domain.above_lowest ? "above" : "from", domain.lowest);
+        if (std::isfinite(domain.highest)) words += fmt::format(" to {}", domain.highest);
+    }
+    return words;
+}
+
+std::string scene_schema_text() {
+    std::string markdown;
+    for (const SceneSection& one : section_table) {
+        if (one.use == SectionUse::not_built) {
+            markdown += fmt::format("### `[{}]`\n\n{} Not in this version.\n\n", one.name, one.help);
+            continue;
+        }
+        const bool is_array = one.use == SectionUse::repeated;
+        markdown +=
+            fmt::format("### `{}{}{}`\n\n{}\n\n", is_array ? "[[" : "[", one.name, is_array ? "]]" : "]", one.help);
+        markdown += "| key | value | unit | default | meaning |\n|---|---|---|---|---|\n";
+        for (const Setting& setting : setting_table) {
+            if (setting.section != one.name) continue;
+            markdown += fmt::format("| `{}` | {} | {} | {} | {} |\n", setting.key, describe(setting.domain),
+                                    setting.unit, setting.fallback, setting.help);
+        }
+        markdown += "\n";
+    }
+    return markdown;
+}
+
+}  // namespace matchlight

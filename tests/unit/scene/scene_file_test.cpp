@@ -1,0 +1,386 @@
+// Scene files: every setting arrives, and every mistake is answered with file, line and cure.
+#include "scene/scene_file.h"
+
+#include <locale>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "scene/scene_schema.h"
+#include "temporary_folder.h"
+
+namespace matchlight {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const char* const footage_and_tags =
+    "[footage]\nvideo = \"clip.mp4\"\ncamera = \"camera.yaml\"\n"        // lines 1 to 3
+    "[tags]\nrig = [ {id = 0, size = 0.08}, {id = 1, size = 0.04} ]\n";  // lines 4 and 5
+
+class SceneFile : public TemporaryFolder {
+protected:
+    void SetUp() override {
+        TemporaryFolder::SetUp();
+        warnings_.set_quiet(true);
+        for (const char* name : {"clip.mp4", "camera.yaml", "room.exr", "objects.glb", "response.json"})
+            write(name, "x");
+    }
+
+    Scene load(const std::string& text) { return load_scene(write("scene.toml", text), warnings_); }
+
+    /// The line that a bad scene gets, without the folder.
+    std::string error_of(const std::string& text) {
+        try {
+            load(text);
+        } catch (const InputError& error) {
+            std::string line = error.what();
+            const std::string prefix = folder_.string() + "/";
+            for (std::size_t at = line.find(prefix); at != std::string::npos; at = line.find(prefix)) {
+                line.erase(at, prefix.size());
+            }
+            EXPECT_EQ(line.find('\n'), std::string::npos);
+            return line;
+        }
+        return "no error";
+    }
+    std::string error_after(const std::string& text) { return error_of(footage_and_tags + text); }
+
+    Warnings warnings_;
+};
+
+TEST_F(SceneFile, DefaultsHoldWhereNothingIsSaid) {
+    const Scene scene = load(footage_and_tags);
+    EXPECT_EQ(scene.footage.video, folder_ / "clip.mp4");
+    EXPECT_EQ(scene.footage.solve, folder_ / "scene.solve.json");
+    EXPECT_FALSE(scene.footage.response || scene.footage.fps || scene.footage.color_matrix);
+    EXPECT_EQ(scene.tags.family, "tag36h11");
+    ASSERT_EQ(scene.tags.rig.size(), 2u);
+    EXPECT_EQ(scene.tags.rig[1].id, 1);
+    EXPECT_EQ(scene.tags.rig[1].size_m, 0.04);
+    EXPECT_FALSE(scene.tags.rig[0].world_from_tag);
+    EXPECT_EQ(scene.tags.white_albedo, 0.8);
+    EXPECT_EQ(scene.tags.black_albedo, 0.04);
+    EXPECT_FALSE(scene.probe);
+    EXPECT_TRUE(scene.objects.empty());
+    EXPECT_TRUE(scene.surface.present && scene.surface.shadow);
+    EXPECT_EQ(scene.surface.z_m, 0);
+    EXPECT_EQ(scene.quality, QualityLevel::final_);
+    EXPECT_EQ(scene.output.codec, "h264");
+    EXPECT_EQ(scene.output.preset, "medium");
+    EXPECT_TRUE(scene.output.audio);
+    EXPECT_FALSE(scene.output.crf || scene.output.pixel_format);
+    EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(SceneFile, EverySettingArrives) {
+    const Scene scene = load(R"(
+[footage]
+video = "frames/%04d.jpg"
+camera = "camera.yaml"
+solve = "elsewhere/a.solve.json"
+response = "response.json"
+fps = 30
+color_matrix = "bt601"
+color_range = "full"
+[tags]
+family = "tag25h9"
+white_albedo = 0.7
+black_albedo = 0.05
+rig = [ {id = 3, size = 0.1, x = 1, rotation_deg = 90}, {id = 4, size = 0.1, rotation_deg = [90, 0, 0]}, {id = 5, size = 0.2} ]
+[light]
+probe = "room.exr"
+mapping = "mirrorball"
+rotation_deg = 12.5
+exposure_ev = -1
+place = [0, 0.02, 0.04]
+[[object]]
+model = "objects.glb"
+translate = [1, 2, 3]
+rotate_deg = [10, 20, 30]
+scale = 2
+parent_tag = 4
+reflection = "sphere_map"
+casts_shadow = false
+material = {base_color = [0.1, 0.2, 0.3], metallic = 1, roughness = 0.25, emissive = [4, 5, 6], diffuse = [0.5, 0.4, 0.3], specular = [0.9, 0.8, 0.7]}
+[[object]]
+shape = "torus"
+scale = [1, 2, 3]
+name = "ring"
+[[object]]
+model = "objects.glb"
+[surface]
+enabled = false
+z = 0.5
+shadow = false
+[quality]
+level = "draft"
+[output]
+codec = "ffv1"
+crf = 18
+pixel_format = "yuv444p"
+preset = "fast"
+audio = false
+)");
+    EXPECT_EQ(scene.footage.video, folder_ / "frames/%04d.jpg");
+    EXPECT_EQ(scene.footage.solve, folder_ / "elsewhere/a.solve.json");
+    EXPECT_EQ(scene.footage.response, folder_ / "response.json");
+    EXPECT_EQ(scene.footage.fps, 30);
+    EXPECT_EQ(scene.footage.color_matrix, "bt601");
+    EXPECT_EQ(scene.footage.color_range, "full");
+    EXPECT_EQ(scene.tags.family, "tag25h9");
+    EXPECT_EQ(scene.tags.white_albedo, 0.7);
+    EXPECT_EQ(scene.tags.black_albedo, 0.05);
+    ASSERT_EQ(scene.tags.rig.size(), 3u);
+    ASSERT_TRUE(scene.tags.rig[0].world_from_tag && scene.tags.rig[1].world_from_tag);
+    EXPECT_FALSE(scene.tags.rig[2].world_from_tag);
+    // Turned by 90° about z and moved to x = 1, the tag's own x axis points along world y.
+    EXPECT_TRUE(
+        (*scene.tags.rig[0].world_from_tag * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d(1, 1, 0), 1e-12));
+    // Turned by 90° about x, its y axis points up.
+    EXPECT_TRUE(
+        (*scene.tags.rig[1].world_from_tag * Eigen::Vector3d::UnitY()).isApprox(Eigen::Vector3d::UnitZ(), 1e-12));
+    ASSERT_TRUE(scene.probe);
+    EXPECT_EQ(scene.probe->path, folder_ / "room.exr");
+    EXPECT_EQ(scene.probe->mapping, ProbeMapping::mirrorball);
+    EXPECT_EQ(scene.probe->placement.rotation_deg, 12.5);
+    EXPECT_EQ(scene.probe->placement.exposure_ev, -1);
+    EXPECT_EQ(scene.probe->place_m, Eigen::Vector3d(0, 0.02, 0.04));
+    ASSERT_EQ(scene.objects.size(), 3u);
+    const ObjectSettings& object = scene.objects[0];
+    EXPECT_EQ(object.model, folder_ / "objects.glb");
+    EXPECT_EQ(object.name, "objects");
+    EXPECT_EQ(object.translate_m, Eigen::Vector3d(1, 2, 3));
+    EXPECT_EQ(object.rotate_deg, Eigen::Vector3d(10, 20, 30));
+    EXPECT_EQ(object.scale, Eigen::Vector3d(2, 2, 2));
+    EXPECT_EQ(object.parent_tag, 4);
+    EXPECT_EQ(object.reflection, ReflectionForm::sphere_map);
+    EXPECT_FALSE(object.casts_shadow);
+    using Color = std::array<double, 3>;
+    EXPECT_EQ(object.material.base_color, (Color{0.1, 0.2, 0.3}));
+    EXPECT_EQ(object.material.metallic, 1);
+    EXPECT_EQ(object.material.roughness, 0.25);
+    EXPECT_EQ(object.material.emissive, (Color{4, 5, 6}));
+    EXPECT_EQ(object.material.diffuse, (Color{0.5, 0.4, 0.3}));
+    EXPECT_EQ(object.material.specular, (Color{0.9, 0.8, 0.7}));
+    EXPECT_EQ(scene.objects[1].shape, "torus");
+    EXPECT_EQ(scene.objects[1].scale, Eigen::Vector3d(1, 2, 3));
+    EXPECT_EQ(scene.objects[1].name, "ring");
+    EXPECT_EQ(scene.objects[2].name, "objects 2");
+    EXPECT_FALSE(scene.surface.present || scene.surface.shadow);
+    EXPECT_EQ(scene.surface.z_m, 0.5);
+    EXPECT_EQ(scene.quality, QualityLevel::draft);
+    EXPECT_EQ(scene.output.codec, "ffv1");
+    EXPECT_EQ(scene.output.crf, 18);
+    EXPECT_EQ(scene.output.pixel_format, "yuv444p");
+    EXPECT_EQ(scene.output.preset, "fast");
+    EXPECT_FALSE(scene.output.audio);
+
+    // What is recorded of the scene is a scene that records the same.
+    EXPECT_EQ(load(scene.effective_toml).effective_toml, scene.effective_toml);
+}
+
+TEST_F(SceneFile, EffectiveSettingsHoldTheDefaults) {
+    const std::string effective = load(std::string(footage_and_tags) + "[[object]]\nshape = \"box\"\n").effective_toml;
+    EXPECT_THAT(effective, HasSubstr("family = \"tag36h11\""));
+    EXPECT_THAT(effective, HasSubstr("white_albedo = 0.8"));
+    EXPECT_THAT(effective, HasSubstr("rig = [{id = 0, size = 0.08}, {id = 1, size = 0.04}]"));
+    EXPECT_THAT(effective, HasSubstr("scale = [1, 1, 1]"));
+    EXPECT_THAT(effective, HasSubstr("depth_of_field = \"off\""));
+    EXPECT_THAT(effective, HasSubstr("level = \"final\""));
+    EXPECT_EQ(load(effective).effective_toml, effective);
+}
+
+TEST_F(SceneFile, UnknownKeysNameTheNearest) {
+    EXPECT_EQ(error_after("[light]\nprobe = \"room.exr\"\nexpsure_ev = 1\n"),
+              "scene.toml:8: unknown key 'expsure_ev' in [light]; did you mean 'exposure_ev'?");
+    EXPECT_EQ(error_after("[lights]\nprobe = \"room.exr\"\n"),
+              "scene.toml:6: unknown section 'lights'; did you mean 'light'?");
+    EXPECT_EQ(error_after("[[object]]\nshape = \"box\"\nmaterial = {rougness = 1}\n"),
+              "scene.toml:8: unknown key 'rougness' in [object.material]; did you mean 'roughness'?");
+    EXPECT_EQ(error_after("[quality]\ncrf = 1\n"),
+              "scene.toml:7: unknown key 'crf' in [quality]; it belongs in [output]");
+    EXPECT_THAT(
+        error_of("[footage]\nvideo = \"clip.mp4\"\ncamera = \"camera.yaml\"\n[tags]\nrig = [{id = 0, sizw = 1}]\n"),
+        HasSubstr("scene.toml:5: unknown key 'sizw' in [tags.rig]; did you mean 'size'?"));
+    EXPECT_THAT(error_after("[output]\n" + std::string(100000, 'a') + " = 1\n"), HasSubstr("unknown key"));
+}
+
+TEST_F(SceneFile, SyntaxErrorsNameTheLine) {
+    EXPECT_THAT(error_after("[light\n"), HasSubstr("scene.toml:6: "));
+    EXPECT_THAT(error_after("[quality]\nlevel = \"final\"\nlevel = \"draft\"\n"), HasSubstr("scene.toml:8: "));
+    EXPECT_THAT(error_after("[quality]\nlevel = \"\xff\"\n"), HasSubstr("scene.toml:7: "));
+    EXPECT_THAT(error_after("[x]\na = " + std::string(100000, '[')),
+                HasSubstr("scene.toml:7: "));  // does not recurse on
+}
+
+TEST_F(SceneFile, WrongTypesAndRangesNameTheLine) {
+    const std::vector<std::pair<std::string, std::string>> rows = {
+        {"[quality]\nlevel = 3", "scene.toml:7: 'level' in [quality] is 3, not draft, preview, final, reference"},
+        {"[quality]\nlevel = \"finl\"", "did you mean 'final'?"},
+        {"[surface]\nz = \"high\"", "scene.toml:7: 'z' in [surface] is \"high\", not number"},
+        {"[surface]\nz = nan", "scene.toml:7: 'z' in [surface] is not finite"},
+        {"[surface]\nz = -inf", "scene.toml:7: 'z' in [surface] is not finite"},
+        {"[surface]\nenabled = 1", "scene.toml:7: 'enabled' in [surface] is 1, not true or false"},
+        {"[surface]\nz = 2000-01-01", "is a date or time, not number"},
+        {"[output]\ncrf = 52", "scene.toml:7: 'crf' in [output] is 52, outside its range (whole number, from 0 to 51)"},
+        {"[output]\ncrf = 1.5", "not whole number"},
+        {"[output]\npixel_format = \"\"", "is empty"},
+        {"[object]\nshape = \"box\"", "[object] is a list: write [[object]]"},
+        {"[[object]]\nshape = \"box\"\nscale = 0", "scene.toml:8: 'scale' in [object] is 0, outside its range"},
+        {"[[object]]\nshape = \"box\"\nscale = [1, 0, 1]", "scene.toml:8: 'scale' in [object] is 0, outside its range"},
+        {"[[object]]\nshape = \"box\"\nscale = [1, 1]", "not number or [x, y, z]"},
+        {"[[object]]\nshape = \"box\"\ntranslate = [1, 1, nan]", "is not finite"},
+        {"[[object]]\nshape = \"box\"\ntranslate = [1, 1, \"2\"]", "not [x, y, z]"},
+        {"[[object]]\nshape = \"bax\"", "did you mean 'box'?"},
+        {"[[object]]\nshape = \"box\"\nmaterial = 1", "holds tables of settings"},
+        {"[[object]]\nshape = \"box\"\nmaterial = {metallic = 2}", "outside its range (number, from 0 to 1)"},
+        {"[[object]]\nshape = \"box\"\nmaterial = {base_color = [0, 0, -1]}", "outside its range"},
+        {"[[object]]\nshape = \"box\"\nmodel = \"objects.glb\"",
+         "scene.toml:6: [[object]] 1 has both of model and shape"},
+        {"[[object]]\nname = \"a\"", "has neither of model and shape"},
+        {"[[object]]\nshape = \"box\"\nparent_tag = 7", "scene.toml:8: the rig has no tag 7 to be a parent"},
+        {"[light]\nexposure_ev = 1", "scene.toml:6: 'probe' is missing in [light]"},
+    };
+    for (const auto& [text, expected] : rows) EXPECT_THAT(error_after(text + "\n"), HasSubstr(expected)) << text;
+    EXPECT_THAT(error_of(std::string("surface = 3\n") + footage_and_tags),
+                HasSubstr("[surface] is a table of settings"));
+    EXPECT_THAT(error_of(std::string("object = [1]\n") + footage_and_tags),
+                HasSubstr("[[object]] is a table of settings"));
+}
+
+TEST_F(SceneFile, BadRigsAreRefused) {
+    const auto with_rig = [&](const std::string& rig) {
+        return error_of("[footage]\nvideo = \"clip.mp4\"\ncamera = \"camera.yaml\"\n[tags]\n" + rig + "\n");
+    };
+    EXPECT_THAT(with_rig("rig = []"), HasSubstr("scene.toml:5: 'rig' in [tags] is a list of at least one entry"));
+    EXPECT_THAT(with_rig(""), HasSubstr("'rig' is missing in [tags]"));
+    EXPECT_THAT(with_rig("rig = [{id = 0, size = 0}]"),
+                HasSubstr("scene.toml:5: 'size' in [tags.rig] is 0, outside its range"));
+    EXPECT_THAT(with_rig("rig = [{id = 0, size = -0.1}]"), HasSubstr("outside its range"));
+    EXPECT_THAT(with_rig("rig = [{id = 0, size = nan}]"), HasSubstr("not finite"));
+    EXPECT_THAT(with_rig("rig = [{id = 0}]"), HasSubstr("'size' is missing"));
+    EXPECT_THAT(with_rig("rig = [{id = -1, size = 1}]"), HasSubstr("outside its range"));
+    EXPECT_THAT(with_rig("rig = [{id = 2, size = 1},\n{id = 2, size = 1}]"),
+                HasSubstr("scene.toml:6: the rig has the tag 2 twice"));
+    EXPECT_THAT(with_rig("rig = [{id = 587, size = 1}]"), HasSubstr("there is no tag 587 in tag36h11 (0 to 586)"));
+    EXPECT_THAT(error_of("[footage]\nvideo = \"clip.mp4\"\ncamera = \"camera.yaml\"\n"), HasSubstr("'rig' is missing"));
+}
+
+TEST_F(SceneFile, MissingFilesAreNamed) {
+    EXPECT_EQ(error_of("[footage]\nvideo = \"no.mp4\"\ncamera = \"camera.yaml\"\n"),
+              "scene.toml:2: 'video' in [footage]: there is no file 'no.mp4'");
+    EXPECT_THAT(error_of("[footage]\nvideo = \"clip.mp4\"\ncamera = \"no.yaml\"\n"),
+                HasSubstr("scene.toml:3: 'camera' in [footage]: there is no file 'no.yaml'"));
+    EXPECT_THAT(error_of("[footage]\nvideo = \"clip.mp4\"\n"), HasSubstr("'camera' is missing in [footage]"));
+    EXPECT_THAT(error_after("[light]\nprobe = \"no.exr\"\n"),
+                HasSubstr("'probe' in [light]: there is no file 'no.exr'"));
+    EXPECT_THAT(error_after("[[object]]\nmodel = \"no.glb\"\n"),
+                HasSubstr("scene.toml:7: 'model' in [object]: there is no file"));
+    EXPECT_THAT(error_after("[[object]]\nmodel = \".\"\n"), HasSubstr("is not a regular file"));
+    EXPECT_THAT(error_after("[[object]]\nmodel = \"a\\u0000b\"\n"), HasSubstr("zero byte"));
+    EXPECT_THROW(load_scene(folder_ / "none.toml", warnings_), InputError);
+}
+
+TEST_F(SceneFile, WhatThisVersionCannotDoIsSaid) {
+    EXPECT_THAT(error_of("[tags]\nrig = [{id = 0, size = 1}]\n"), HasSubstr("cannot render a scene without footage"));
+    EXPECT_THAT(error_after("[camera]\nwidth = 800\n"),
+                HasSubstr("scene.toml:6: [camera]: this version cannot render"));
+    EXPECT_THAT(error_after("[background]\nprobe = true\n"), HasSubstr("cannot render a scene without footage"));
+    EXPECT_THAT(error_after("[[light]]\ntype = \"point\"\n"),
+                HasSubstr("scene.toml:6: [[light]]: this version has no analytic"));
+    EXPECT_THAT(error_after("[light]\ntype = \"point\"\n"), HasSubstr("no analytic lights"));
+    EXPECT_THAT(error_after("[[object]]\nspheres = \"a.xyz\"\n"),
+                HasSubstr("scene.toml:7: 'spheres' in [object]: this version cannot"));
+    EXPECT_EQ(load(std::string(footage_and_tags) + "[[light]]\nprobe = \"room.exr\"\n").probe->path,
+              folder_ / "room.exr");
+    EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(SceneFile, EffectsThatAreNotBuiltAreLeftOutAndCounted) {
+    load(std::string(footage_and_tags) + "[effects]\nbloom = \"off\"\ngrain = false\n");
+    EXPECT_TRUE(warnings_.empty());
+    load(std::string(footage_and_tags) +
+         "[effects]\ndepth_of_field = \"auto\"\nbloom = {strength = 0.1}\n[quality]\nbudget_ms = 40\n");
+    ASSERT_EQ(warnings_.total(), 3);
+    EXPECT_THAT(warnings_.entries()[1].text,
+                HasSubstr("scene.toml:7: 'depth_of_field' in [effects]: not available in this version, left out"));
+    EXPECT_THAT(error_after("[effects]\nblom = \"off\"\n"), HasSubstr("did you mean 'bloom'?"));
+}
+
+TEST_F(SceneFile, AnyNameAPathCanHaveIsRead) {
+    for (const char* name : {"a b.glb", "größe 模型.glb", "-rf.glb", "100%.glb"}) {
+        write(name, "x");
+        EXPECT_EQ(load(std::string(footage_and_tags) + "[[object]]\nmodel = \"" + name + "\"\n").objects[0].model,
+                  folder_ / name);
+    }
+    const fs::path absolute = write("elsewhere/clip.mp4", "x");
+    EXPECT_EQ(load("[footage]\nvideo = \"" + absolute.string() +
+                   "\"\ncamera = \"camera.yaml\"\n[tags]\nrig = [{id = 0, size = 1}]\n")
+                  .footage.video,
+              absolute);
+}
+
+TEST_F(SceneFile, CommaDecimalLocalesChangeNothing) {
+    struct CommaDecimals : std::numpunct<char> {
+        char do_decimal_point() const override { return ','; }
+        char do_thousands_sep() const override { return '.'; }
+        std::string do_grouping() const override { return "\3"; }
+    };
+    const std::locale before = std::locale::global(std::locale(std::locale::classic(), new CommaDecimals));
+    std::string effective;
+    double size_m = 0;
+    double z_m = 0;
+    try {
+        const Scene scene = load(std::string(footage_and_tags) + "[surface]\nz = 1234.5\n");
+        effective = scene.effective_toml;
+        size_m = scene.tags.rig[0].size_m;
+        z_m = scene.surface.z_m;
+    } catch (const InputError& error) {
+        ADD_FAILURE() << error.what();
+    }
+    std::locale::global(before);
+    EXPECT_EQ(size_m, 0.08);
+    EXPECT_EQ(z_m, 1234.5);
+    EXPECT_THAT(effective, HasSubstr("z = 1234.5"));
+    EXPECT_THAT(effective, HasSubstr("size = 0.08"));
+}
+
+TEST(SceneSchema, IsConsistent) {
+    for (const Setting& setting : scene_settings()) {
+        const SceneSection* section = find_section(setting.section);
+        ASSERT_NE(section, nullptr) << setting.section;
+        EXPECT_EQ(find_setting(setting.section, setting.key), &setting) << setting.key << " is listed twice";
+        EXPECT_FALSE(setting.help.empty()) << setting.key;
+        const SettingKind kind = setting.domain.kind;
+        const bool nested = kind == SettingKind::section || kind == SettingKind::sections;
+        const bool holds_value = !nested && kind != SettingKind::left_out && kind != SettingKind::not_built;
+        EXPECT_EQ(setting.set != nullptr, holds_value) << setting.key;
+        EXPECT_EQ(setting.domain.choices.empty(), kind != SettingKind::choice) << setting.key;
+        if (nested) {
+            EXPECT_NE(find_section(std::string(setting.section) + "." + std::string(setting.key)), nullptr)
+                << setting.key;
+        }
+    }
+}
+
+TEST(SceneSchema, NearestWordCountsEdits) {
+    const std::vector<std::string_view> known = {"probe", "mapping", "exposure_ev"};
+    EXPECT_EQ(nearest_word("prboe", known), "probe");
+    EXPECT_EQ(nearest_word("map", known), "mapping");
+    EXPECT_EQ(nearest_word("expsure_ev", known), "exposure_ev");
+    EXPECT_EQ(nearest_word("", known), "probe");
+}
+
+TEST(SceneSchema, TextListsEverySetting) {
+    const std::string text = scene_schema_text();
+    for (const Setting& setting : scene_settings()) {
+        EXPECT_THAT(text, HasSubstr("| `" + std::string(setting.key) + "` |"));
+    }
+    EXPECT_THAT(text, HasSubstr("| `crf` | whole number, from 0 to 51 |"));
+}
+
+}  // namespace
+}  // namespace matchlight
