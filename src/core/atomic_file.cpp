@@ -47,6 +47,13 @@ void sync_path(const fs::path& path, const fs::path& reported) {
     }
 }
 
+bool names_open_file(const fs::path& path, int descriptor) {
+    struct stat named {};
+    struct stat opened {};
+    return stat(path.c_str(), &named) == 0 && fstat(descriptor, &opened) == 0 && named.st_dev == opened.st_dev &&
+           named.st_ino == opened.st_ino;
+}
+
 }  // namespace
 
 PendingFile::PendingFile(fs::path final_path)
@@ -103,17 +110,26 @@ void check_output(const fs::path& path, bool overwrite) {
     if (!fs::is_directory(folder, error)) throw InputError(path, "its folder does not exist", "create it first");
     if (access(folder.c_str(), W_OK | X_OK) != 0) throw InputError(path, "its folder is not writable");
     if (fs::is_directory(path, error)) throw InputError(path, "is a folder", "name a file");
+    // A rename would put a file in the place of a device or pipe.
+    if (fs::exists(path, error) && !fs::is_regular_file(path, error))
+        throw InputError(path, "is not a regular file", "name another output");
     if (fs::exists(path, error) && !overwrite)
         throw InputError(path, "exists already", "use --overwrite to replace it");
 }
 
 OutputLock::OutputLock(const fs::path& output)
     : lock_path_(folder_of(output) / ("." + output.filename().string() + ".lock")) {
-    descriptor_ = open(lock_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) throw InputError(output, "cannot be locked: " + system_reason());
-    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    while (true) {
+        descriptor_ = open(lock_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (descriptor_ < 0) throw InputError(output, "cannot be locked: " + system_reason());
+        if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+            close(descriptor_);
+            throw InputError(output, "another run is writing it", "wait for that run or name another output");
+        }
+        // Between open and flock the run before may have removed the name: then this lock is on a file nobody else
+        // will ever open, and holds nothing.
+        if (names_open_file(lock_path_, descriptor_)) return;
         close(descriptor_);
-        throw InputError(output, "another run is writing it", "wait for that run or name another output");
     }
 }
 

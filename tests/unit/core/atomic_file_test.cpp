@@ -1,9 +1,13 @@
 // Files are whole or absent; one output belongs to one run.
 #include "core/atomic_file.h"
 
+#include <atomic>
 #include <fstream>
+#include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/error.h"
@@ -43,6 +47,40 @@ TEST_F(AtomicFile, ASecondRunOnOneOutputIsRefused) {
         EXPECT_THROW(OutputLock second(path), InputError);
     }
     const OutputLock third(path);  // released with the first
+}
+
+TEST_F(AtomicFile, NeverTwoRunsHoldOneOutputWhileLocksComeAndGo) {
+    const fs::path path = folder_ / "out.mp4";
+    std::atomic<int> holders = 0;
+    std::atomic<int> most_holders = 0;
+    std::atomic<int> times_held = 0;
+    const auto run = [&] {
+        for (int attempt = 0; attempt < 3000; ++attempt) {
+            try {
+                const OutputLock lock(path);
+                const int now = ++holders;
+                for (int most = most_holders; now > most && !most_holders.compare_exchange_weak(most, now);) continue;
+                std::this_thread::yield();
+                ++times_held;
+                --holders;
+            } catch (const InputError&) {
+                std::this_thread::yield();
+            }
+        }
+    };
+    std::vector<std::thread> runs;
+    for (int i = 0; i < 4; ++i) runs.emplace_back(run);
+    for (std::thread& one : runs) one.join();
+    EXPECT_EQ(most_holders, 1);
+    EXPECT_GT(times_held, 100);  // the threads did take turns
+    EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(AtomicFile, APipeIsNeverReplaced) {
+    const fs::path path = folder_ / "pipe.mp4";
+    ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+    EXPECT_THROW(check_output(path, false), InputError);
+    EXPECT_THROW(check_output(path, true), InputError);
 }
 
 TEST_F(AtomicFile, OutputsAreCheckedBeforeWork) {
