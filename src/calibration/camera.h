@@ -1,6 +1,7 @@
 // The lens of the footage: pinhole and distortion as in OpenCV's own YAML, with pixel centres at whole numbers.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@
 namespace matchlight {
 
 enum class LensModel { radtan, fisheye };
+
+/// Whether a lens model takes that many coefficients.
+bool valid_distortion_count(LensModel lens, std::size_t count);
 
 /// A calibrated camera. `distortion` holds OpenCV's coefficients in OpenCV's order: for radtan k1 k2 p1 p2 [k3 [k4 k5
 /// k6 [s1 s2 s3 s4 [tx ty]]]] (0, 4, 5, 8, 12 or 14 of them), for fisheye k1..k4 (Kannala & Brandt 2006).

@@ -48,8 +48,8 @@ struct Solve {
     Response response = Response::srgb();
     std::optional<std::array<double, 2>> vignette;  // gain = 1 + v1 r² + v2 r⁴, r = 1 at the corner
     std::optional<std::array<double, 2>> noise;     // read, shot: variance = read² + shot · signal, plate-linear
-    std::vector<SolvedFrame> frames;
-    std::string provenance;  // version and the effective settings that made it
+    std::vector<SolvedFrame> frames;                // in ascending order
+    std::string provenance;                         // version and the effective settings that made it
 
     /// The frame's entry, or nullptr.
     const SolvedFrame* find(std::int64_t frame) const;
