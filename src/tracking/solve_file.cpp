@@ -24,7 +24,12 @@ struct Place {
     std::optional<std::int64_t> frame;
 
     [[noreturn]] void fail(const std::string& cause) const {
-        throw InputError(InputErrorParts{file, frame, cause, "run `matchlight track` again"});
+        InputErrorParts parts;
+        parts.file = file;
+        parts.frame = frame;
+        parts.cause = cause;
+        parts.cure = "run `matchlight track` again";
+        throw InputError(std::move(parts));
     }
 };
 
