@@ -63,8 +63,9 @@ struct DirectionalSample {
     Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // towards the light, world
     Eigen::Vector3d radiance_times_solid_angle = Eigen::Vector3d::Zero();
 };
-/// Splits the directions with world z ≥ `minimum_z` into `count` strata of about equal power (luminance × max(z, 0)
-/// when `weight_by_cosine`), after Debevec's median cut (2005) with the variance-aware split; deterministic.
+/// Splits the directions with world z ≥ `minimum_z` into `count` strata of about equal power × angular spread (power is
+/// luminance, × max(z, 0) when `weight_by_cosine`): median cut (Debevec 2005) that goes where one direction would stand
+/// for its stratum worst (Viriyothai & Debevec 2009). Deterministic.
 std::vector<DirectionalSample> sample_directions(const Probe& probe, int count, double minimum_z,
                                                  bool weight_by_cosine);
 

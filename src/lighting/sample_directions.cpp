@@ -1,4 +1,4 @@
-// A few directional lights that stand for a probe: median cut with the split along the larger spread.
+// A few directional lights that stand for a probe: median cut of the stratum whose shadow would err most.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -52,9 +52,12 @@ private:
     std::vector<double> sums_;
 };
 
+/// A region and how wrong a shadow is when one direction stands for it: the penumbra, as wide as the region's power is
+/// spread, turns into an edge that moves all its power from one side to the other.
 struct Stratum {
     Region region;
-    double power = 0;
+    double shadow_error = 0;                          // power · standard deviation of its direction, radians
+    std::optional<std::pair<Region, Region>> halves;  // absent where it cannot be cut
 };
 
 /// Power along one axis of a region: its variance in steps of the axis, and the cut that halves it best.
@@ -92,21 +95,24 @@ AxisProfile profile(int steps, const auto& power_of_first) {
 /// Cuts at the median of power, across the axis along which power is spread wider over the sphere (Debevec 2005, A
 /// Median Cut Algorithm for Light Probe Sampling, cuts the longer side of the region; the spread of power instead of
 /// the region's size is the variance of Viriyothai & Debevec 2009, Variance Minimization Light Probe Sampling).
-std::optional<std::pair<Region, Region>> split(const PowerTable& table, const Region& r) {
+Stratum make_stratum(const PowerTable& table, const Region& r) {
     const AxisProfile across = profile(r.width, [&](int steps) { return table.power({r.x, r.y, steps, r.height}); });
     const AxisProfile down = profile(r.height, [&](int steps) { return table.power({r.x, r.y, r.width, steps}); });
-    if (across.cut == 0 && down.cut == 0) return std::nullopt;
 
     const LatlongGrid& grid = table.grid();
     const double middle = std::numbers::pi * (r.y + 0.5 * r.height) / grid.height();
     const double azimuth_scale = grid.azimuth_step() * std::sin(middle);
     const double polar_scale = std::numbers::pi / grid.height();
-    const bool cut_across = down.cut == 0 || (across.cut != 0 && across.variance * azimuth_scale * azimuth_scale >=
-                                                                     down.variance * polar_scale * polar_scale);
-    if (cut_across) {
-        return {{{r.x, r.y, across.cut, r.height}, {r.x + across.cut, r.y, r.width - across.cut, r.height}}};
+    const double across_variance = across.variance * azimuth_scale * azimuth_scale;
+    const double down_variance = down.variance * polar_scale * polar_scale;
+    Stratum stratum{r, table.power(r) * std::sqrt(across_variance + down_variance), std::nullopt};
+    if (across.cut == 0 && down.cut == 0) return stratum;
+    if (down.cut == 0 || (across.cut != 0 && across_variance >= down_variance)) {
+        stratum.halves = {{r.x, r.y, across.cut, r.height}, {r.x + across.cut, r.y, r.width - across.cut, r.height}};
+    } else {
+        stratum.halves = {{r.x, r.y, r.width, down.cut}, {r.x, r.y + down.cut, r.width, r.height - down.cut}};
     }
-    return {{{r.x, r.y, r.width, down.cut}, {r.x, r.y + down.cut, r.width, r.height - down.cut}}};
+    return stratum;
 }
 
 }  // namespace
@@ -119,23 +125,24 @@ std::vector<DirectionalSample> sample_directions(const Probe& probe, int count, 
     const PowerTable table(image, grid, minimum_z, weight_by_cosine);
     if (table.rows() == 0 || count < 1) return {};
 
-    // The strongest stratum that can still be cut is cut next, so any count is met, not only powers of two. Ties fall
-    // to the older stratum, so the result is the same everywhere.
+    // The stratum that errs most and can still be cut is cut next, so any count is met, not only powers of two: a lamp
+    // narrower than its penumbra matters gets few of them, however strong. Ties fall to the older stratum, so the
+    // result is the same everywhere.
     std::vector<Stratum> open;
     std::vector<Stratum> finished;
-    const Region all{0, 0, image.width(), table.rows()};
-    open.push_back({all, table.power(all)});
+    open.push_back(make_stratum(table, {0, 0, image.width(), table.rows()}));
     while (!open.empty() && static_cast<int>(open.size() + finished.size()) < count) {
-        const auto strongest = std::max_element(open.begin(), open.end(),
-                                                [](const Stratum& a, const Stratum& b) { return a.power < b.power; });
-        const auto halves = split(table, strongest->region);
-        if (!halves) {
-            finished.push_back(*strongest);
-            open.erase(strongest);
+        const auto worst = std::max_element(open.begin(), open.end(), [](const Stratum& a, const Stratum& b) {
+            return a.shadow_error < b.shadow_error;
+        });
+        if (!worst->halves) {
+            finished.push_back(*worst);
+            open.erase(worst);
             continue;
         }
-        *strongest = {halves->first, table.power(halves->first)};
-        open.push_back({halves->second, table.power(halves->second)});
+        const auto [first, second] = *worst->halves;
+        *worst = make_stratum(table, first);
+        open.push_back(make_stratum(table, second));
     }
     finished.insert(finished.end(), open.begin(), open.end());
 

@@ -74,17 +74,17 @@ TEST(SampleDirections, LightATiltedPlaneToo) {
     EXPECT_NEAR((sum - exact).norm(), 0, 0.01 * exact.norm());
 }
 
-TEST(SampleDirections, StrataHaveAboutEqualPower) {
-    const Probe probe = probe_of(128, test::smooth_sky);
-    const auto samples = sample_directions(probe, 64, 0, false);
-    double least = 1e30;
-    double most = 0;
-    for (const auto& s : samples) {
-        const double luminance = s.radiance_times_solid_angle.dot(Eigen::Vector3d(0.2126, 0.7152, 0.0722));
-        least = std::min(least, luminance);
-        most = std::max(most, luminance);
-    }
-    EXPECT_LT(most / least, 1.25);  // six halvings, each as even as rows and columns of pixels allow
+TEST(SampleDirections, ASmallSunTakesFewStrataHoweverStrong) {
+    // Half a degree across and three quarters of the light: its shadow's edge is sharp with one direction already.
+    const Eigen::Vector3d towards_sun(0.48, 0.6, 0.64);
+    const Probe probe = probe_of(512, [&](const Eigen::Vector3d& d) -> Eigen::Vector3d {
+        const double sun = d.dot(towards_sun) > std::cos(0.25 * std::numbers::pi / 180) ? 5e4 : 0.0;
+        return Eigen::Vector3d::Constant(0.3 + sun);
+    });
+    int on_sun = 0;
+    for (const auto& s : sample_directions(probe, 64, 0, true)) on_sun += s.direction.dot(towards_sun) > std::cos(0.01);
+    EXPECT_GE(on_sun, 1);
+    EXPECT_LE(on_sun, 16);
 }
 
 TEST(SampleDirections, ASunIsFoundWhereItStands) {

@@ -1,0 +1,88 @@
+#version 450 core
+// One plate region: real light, dimmed where virtual objects stand in it, under the virtual layer, back in code values.
+//
+// linear = plate · shadow ratio · (1 − α) + virtual · gain (Porter & Duff 1984, "Compositing Digital Images", over).
+
+#include "common/lens_map.glsl"
+#include "common/response.glsl"
+#include "effects/contact_shadow/contact_shadow.glsl"
+
+uniform sampler2D plate_code;        // RGB code values of the region
+uniform ivec2 region_origin;         // plate pixel of the region's first pixel
+
+uniform sampler2D layer;             // virtual layer: premultiplied radiance in probe units, alpha = coverage
+uniform vec4 layer_intrinsics;       // fx, fy, cx, cy of the layer's pinhole, in its pixels (centres at whole numbers)
+uniform float layer_footprint;       // layer pixels that one plate pixel spans, along each side
+uniform int layer_present;
+
+uniform float surface_z_m;
+uniform int shadow_present;
+
+uniform mat3 world_from_camera;
+uniform vec3 eye_world_m;
+uniform vec3 gain;                   // 2^exposure · white balance: plate light of unit probe light
+uniform vec2 vignette;               // gain = 1 + v.x r² + v.y r⁴
+uniform vec3 vignette_frame;         // centre x, centre y, 1 / distance of the corner
+
+layout(location = 0) out vec4 composited_code;   // a = 1 where the pixel was touched
+#ifdef WRITE_LAYERS
+layout(location = 1) out vec4 composited_linear;  // a = the virtual layer's alpha
+layout(location = 2) out vec4 shadow_layer;       // rgb = ratio
+layout(location = 3) out vec4 virtual_layer;      // premultiplied plate-linear light, alpha
+#endif
+
+// The layer's light over one plate pixel: the exact mean over its footprint.
+vec4 layer_over_pixel(vec2 normalized) {
+    vec2 centre = normalized * layer_intrinsics.xy + layer_intrinsics.zw + 0.5;  // in texel corners
+    vec2 low = centre - 0.5 * layer_footprint;
+    vec2 high = centre + 0.5 * layer_footprint;
+    ivec2 size = textureSize(layer, 0);
+    ivec2 first = max(ivec2(floor(low)), ivec2(0));
+    ivec2 last = min(ivec2(ceil(high)) - 1, size - 1);
+    vec4 sum = vec4(0.0);
+    for (int y = first.y; y <= last.y; ++y) {
+        float height = min(high.y, float(y + 1)) - max(low.y, float(y));
+        for (int x = first.x; x <= last.x; ++x) {
+            float width = min(high.x, float(x + 1)) - max(low.x, float(x));
+            sum += width * height * texelFetch(layer, ivec2(x, y), 0);
+        }
+    }
+    return sum / (layer_footprint * layer_footprint);
+}
+
+vec3 shadow_over_pixel(vec2 normalized) {
+    vec3 direction = world_from_camera * vec3(normalized, 1.0);
+    float distance_m = (surface_z_m - eye_world_m.z) / direction.z;
+    // Behind the camera, or along the surface: no such point is seen.
+    if (!(distance_m > 0.0) || isinf(distance_m)) return vec3(1.0);
+    return contact_shadow(eye_world_m.xy + direction.xy * distance_m);
+}
+
+void main() {
+    ivec2 in_region = ivec2(gl_FragCoord.xy);
+    vec2 pixel = vec2(in_region + region_origin);
+    vec3 code = texelFetch(plate_code, in_region, 0).rgb;
+    vec2 normalized = normalized_from_pixel(pixel);
+
+    vec4 virtual_light = vec4(0.0);
+    vec3 ratio = vec3(1.0);
+    if (!any(isnan(normalized))) {
+        if (layer_present != 0) virtual_light = layer_over_pixel(normalized);
+        if (shadow_present != 0) ratio = shadow_over_pixel(normalized);
+    }
+
+    vec2 from_centre = (pixel - vignette_frame.xy) * vignette_frame.z;
+    float r2 = dot(from_centre, from_centre);
+    float falloff = 1.0 + vignette.x * r2 + vignette.y * r2 * r2;
+
+    vec3 plate_linear = linear_from_code(code);
+    vec3 linear = plate_linear * ratio * (1.0 - virtual_light.a) + virtual_light.rgb * gain * falloff;
+    // A ratio within 1e-4 of 1 changes no code of 12 bits or fewer: such a pixel stays the plate's.
+    bool touched = virtual_light.a > 0.0 || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(lessThan(ratio, vec3(1.0 - 1e-4)));
+    composited_code = touched ? vec4(code_from_linear(linear), 1.0) : vec4(code, 0.0);
+#ifdef WRITE_LAYERS
+    composited_linear = vec4(touched ? linear : plate_linear, virtual_light.a);
+    shadow_layer = vec4(ratio, 1.0);
+    virtual_layer = vec4(virtual_light.rgb * gain * falloff, virtual_light.a);
+#endif
+}

@@ -1,0 +1,64 @@
+// One frame in, one image out: the same for render, preview and report.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/image.h"
+#include "core/warnings.h"
+#include "gl/context.h"
+#include "media/plate.h"
+#include "scene/scene_file.h"
+#include "tracking/solve_file.h"
+
+namespace matchlight {
+
+/// The parts of a frame for EXR output, each covering `region` of the plate; light is plate-linear (the response's
+/// inverse of the code values), depth in metres along the camera's axis (0 = nothing there), normals in world axes.
+struct FrameLayers {
+    Region region;
+    ImageF beauty;        // RGB
+    ImageF alpha;         // 1 channel
+    ImageF depth;         // 1 channel
+    ImageF normal;        // 3 channels
+    ImageF shadow;        // RGB ratio
+    ImageF object_id;     // 1 channel; 0 = nothing, 1 = the scene's first object
+    ImageF virtual_rgba;  // the virtual layer alone: premultiplied plate-linear light and alpha
+};
+
+struct CompositedFrame {
+    PlateFrame plate;  // samples outside the touched pixels' chroma blocks are those that came in
+    Region reach;      // where virtual things can be seen or cast shadow; empty when nowhere
+    Image8 touched;    // 1 channel over `reach`: 255 where the pixel changed hands
+    std::optional<FrameLayers> layers;
+};
+
+struct CompositorOptions {
+    QualityLevel quality = QualityLevel::final_;
+    bool layers = false;  // also return FrameLayers
+};
+
+class Compositor {
+public:
+    /// Loads probe and models, and makes what no frame changes. `context` must be current and outlive the compositor.
+    /// Throws InputError.
+    Compositor(GlContext& context, const Scene& scene, const Solve& solve, const CompositorOptions& options,
+               Warnings& warnings);
+    ~Compositor();
+    Compositor(const Compositor&) = delete;
+    Compositor& operator=(const Compositor&) = delete;
+
+    /// A pure function of frame, solve and scene: frames may come in any order. A frame without a pose is returned as
+    /// it came.
+    CompositedFrame composite(PlateFrame plate);
+
+    /// The plate's linear light over the whole frame (for EXR output), through the response in force.
+    ImageF plate_linear(const PlateFrame& plate) const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace matchlight

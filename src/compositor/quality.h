@@ -1,0 +1,32 @@
+// What each quality level of the scene file means, in one place.
+#pragma once
+
+#include "render/effects/contact_shadow.h"
+#include "scene/scene_file.h"
+
+namespace matchlight {
+
+struct Quality {
+    int supersampling = 2;  // layer pixels along each side of a plate pixel, each with `samples` samples
+    int samples = 4;
+    int mirror_face_px = 512;  // the reflection cube's sharpest level
+    ContactShadowSettings shadow;
+    int visibility_directions = 64;  // over the whole sphere, each with a depth map; 0 = models do not shade themselves
+    int visibility_resolution = 256;  // texels along each side of such a depth map
+};
+
+inline Quality quality_of(QualityLevel level) {
+    switch (level) {
+        case QualityLevel::draft:
+            return {1, 4, 128, {.directions = 16, .resolution = 256}, 0, 0};
+        case QualityLevel::preview:
+            return {1, 4, 256, {.directions = 32, .resolution = 512}, 32, 128};
+        case QualityLevel::reference:
+            return {4, 4, 1024, {.directions = 1024, .resolution = 2048, .lost_share = 0.0005}, 256, 512};
+        case QualityLevel::final_:
+            break;
+    }
+    return {2, 4, 512, {.directions = 128, .resolution = 1024}, 64, 256};
+}
+
+}  // namespace matchlight

@@ -1,0 +1,74 @@
+// Perspective keeps convex bodies convex: the bounds of the clipped edges' ends are the bounds of the body.
+#include "compositor/reach.h"
+
+#include <cmath>
+
+namespace matchlight {
+
+Eigen::AlignedBox2d normalized_bounds(const std::vector<Eigen::Vector3d>& corners_world_m,
+                                      const std::vector<std::array<int, 2>>& edges,
+                                      const RigidTransform& camera_from_world, const LensMap& lens_map) {
+    Eigen::AlignedBox2d bounds;
+    for (const auto& [from, to] : edges) {
+        Eigen::Vector3d a = camera_from_world * corners_world_m[from];
+        Eigen::Vector3d b = camera_from_world * corners_world_m[to];
+        if (a.z() < near_plane_m && b.z() < near_plane_m) continue;
+        if (a.z() > b.z()) std::swap(a, b);
+        if (a.z() < near_plane_m) a += (b - a) * ((near_plane_m - a.z()) / (b.z() - a.z()));
+        bounds.extend(Eigen::Vector2d(a.head<2>() / a.z()));
+        bounds.extend(Eigen::Vector2d(b.head<2>() / b.z()));
+    }
+    return bounds.isEmpty() ? bounds : bounds.intersection(lens_map.normalized_bounds);
+}
+
+Eigen::AlignedBox2d normalized_bounds_of_box(const Eigen::AlignedBox3d& box_world_m,
+                                             const RigidTransform& camera_from_world, const LensMap& lens_map) {
+    std::vector<Eigen::Vector3d> corners;
+    for (int i = 0; i < 8; ++i) {
+        corners.push_back(box_world_m.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)));
+    }
+    // Corner numbers are bit patterns of x, y, z: an edge joins two that differ in one bit.
+    std::vector<std::array<int, 2>> edges;
+    for (int i = 0; i < 8; ++i) {
+        for (int bit = 1; bit < 8; bit <<= 1) {
+            if ((i & bit) == 0) edges.push_back({i, i | bit});
+        }
+    }
+    return normalized_bounds(corners, edges, camera_from_world, lens_map);
+}
+
+Eigen::AlignedBox2d normalized_bounds_of_rectangle(const Eigen::AlignedBox2d& rectangle_m, double z_m,
+                                                   const RigidTransform& camera_from_world, const LensMap& lens_map) {
+    const Eigen::Vector2d low = rectangle_m.min();
+    const Eigen::Vector2d high = rectangle_m.max();
+    return normalized_bounds(
+        {{low.x(), low.y(), z_m}, {high.x(), low.y(), z_m}, {high.x(), high.y(), z_m}, {low.x(), high.y(), z_m}},
+        {{0, 1}, {1, 2}, {2, 3}, {3, 0}}, camera_from_world, lens_map);
+}
+
+Region plate_region(const Eigen::AlignedBox2d& bounds, const Camera& camera, int margin_px) {
+    if (bounds.isEmpty()) return {};
+    // A lens bends the rectangle's sides outwards or inwards: follow them, every side in steps.
+    constexpr int steps = 32;
+    Eigen::AlignedBox2d pixels;
+    for (int i = 0; i <= steps; ++i) {
+        for (int j = 0; j <= steps; ++j) {
+            const Eigen::Vector2d t(static_cast<double>(i) / steps, static_cast<double>(j) / steps);
+            const Eigen::Vector2d pixel =
+                camera.pixel_from_normalized(bounds.min() + t.cwiseProduct(bounds.max() - bounds.min()));
+            if (pixel.allFinite()) pixels.extend(pixel);
+        }
+    }
+    if (pixels.isEmpty()) return {};
+    // The frame is cut in floating point first: a far-off coordinate need not fit an int.
+    const Eigen::AlignedBox2d frame(Eigen::Vector2d(-1, -1), Eigen::Vector2d(camera.width, camera.height));
+    pixels = pixels.intersection(frame);
+    if (pixels.isEmpty()) return {};
+    const int left = static_cast<int>(std::floor(pixels.min().x()));
+    const int top = static_cast<int>(std::floor(pixels.min().y()));
+    const Region region{left, top, static_cast<int>(std::ceil(pixels.max().x())) - left + 1,
+                        static_cast<int>(std::ceil(pixels.max().y())) - top + 1};
+    return region.grown(margin_px).intersected({0, 0, camera.width, camera.height});
+}
+
+}  // namespace matchlight

@@ -1,0 +1,92 @@
+// Uploads the region's code values, draws one triangle, reads the region back.
+#include "render/composite_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace matchlight {
+
+CompositePass::CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response)
+    : shaders_(shaders),
+      lens_nodes_({.format = GL_RG32F, .width = lens_nodes.width(), .height = lens_nodes.height()}),
+      response_({.format = GL_R32F, .width = response.width(), .height = response.height()}),
+      lens_spacing_(lens_spacing),
+      empty_({.format = GL_RGBA32F, .width = 2, .height = 2}) {
+    lens_nodes_.upload(lens_nodes);
+    response_.upload(response);
+}
+
+void CompositePass::hold(const Region& region, bool layers) {
+    if (region.width > width_ || region.height > height_) {
+        width_ = std::max(width_, region.width);
+        height_ = std::max(height_, region.height);
+        plate_ = Texture2D({.format = GL_RGB32F, .width = width_, .height = height_});
+        code_ = Texture2D({.format = GL_RGBA32F, .width = width_, .height = height_});
+        linear_ = Texture2D();
+        shadow_ = Texture2D();
+        virtual_ = Texture2D();
+    }
+    if (!layers || linear_) return;
+    for (Texture2D* target : {&linear_, &shadow_, &virtual_}) {
+        *target = Texture2D({.format = GL_RGBA32F, .width = width_, .height = height_});
+    }
+}
+
+CompositeOutput CompositePass::draw(const CompositeInput& input) {
+    const Region& region = input.region;
+    const Region origin{0, 0, region.width, region.height};
+    hold(region, input.layers);
+    plate_.upload(origin, input.plate_code->samples());
+    const Framebuffer target = input.layers ? Framebuffer({code_, linear_, shadow_, virtual_}) : Framebuffer({code_});
+    target.bind(origin);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+
+    Program& program = shaders_.full_screen("composite/composite.frag",
+                                            input.layers ? ShaderDefines{{"WRITE_LAYERS", "1"}} : ShaderDefines{});
+    program.use();
+    program.bind_texture("plate_code", 0, plate_);
+    program.set("region_origin", Eigen::Vector2i(region.x, region.y));
+    program.bind_texture("lens_nodes", 1, lens_nodes_);
+    program.set("lens_spacing", static_cast<float>(lens_spacing_));
+    program.bind_texture("response_linear", 2, response_);
+
+    const VirtualLayer& layer = input.layer;
+    program.set("layer_present", layer.rgba != nullptr);
+    program.bind_texture("layer", 3, layer.rgba != nullptr ? *layer.rgba : empty_);
+    program.set("layer_intrinsics",
+                Eigen::Vector4f(Eigen::Vector4d(layer.fx, layer.fy, layer.cx, layer.cy).cast<float>()));
+    program.set("layer_footprint", layer.footprint);
+
+    program.set("shadow_present", input.shadow != nullptr);
+    if (input.shadow != nullptr) {
+        input.shadow->bind(program, 4);
+        program.set("surface_z_m", input.shadow->surface_z_m);
+    } else {
+        program.bind_texture("shadow_fine", 4, empty_);
+        program.bind_texture("shadow_far", 5, empty_);
+    }
+
+    const FrameOptics& optics = input.optics;
+    const RigidTransform world_from_camera = optics.camera_from_world.inverse();
+    program.set("world_from_camera", Eigen::Matrix3f(world_from_camera.linear().cast<float>()));
+    program.set("eye_world_m", Eigen::Vector3f(world_from_camera.translation().cast<float>()));
+    program.set("gain", Eigen::Vector3f(optics.gain.cast<float>()));
+    program.set("vignette", Eigen::Vector2f(Eigen::Vector2d(optics.vignette[0], optics.vignette[1]).cast<float>()));
+    const Eigen::Vector2d centre((optics.frame_width - 1) / 2.0, (optics.frame_height - 1) / 2.0);
+    const double corner_px = std::hypot(optics.frame_width, optics.frame_height) / 2;
+    program.set("vignette_frame",
+                Eigen::Vector3f(Eigen::Vector3d(centre.x(), centre.y(), 1 / corner_px).cast<float>()));
+    triangle_.draw();
+
+    CompositeOutput output;
+    output.code = target.read<float>(origin, 4);
+    if (input.layers) {
+        output.linear = target.read<float>(origin, 4, 1);
+        output.shadow = target.read<float>(origin, 3, 2);
+        output.virtual_rgba = target.read<float>(origin, 4, 3);
+    }
+    return output;
+}
+
+}  // namespace matchlight

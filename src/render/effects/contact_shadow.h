@@ -1,0 +1,69 @@
+// The soft shadow that virtual objects cast on the real surface: how much of the probe's light still arrives there.
+//
+// On the plate a shadow is a ratio, light with the objects over light without, per channel; the surface's colour needs
+// no guessing (differential rendering: Debevec 1998, "Rendering Synthetic Objects into Real Scenes"). The light is
+// split into directions of about equal power (Debevec 2005, "A Median Cut Algorithm for Light Probe Sampling"); along
+// each, the casters are flattened onto the surface (Blinn 1988, "Me and My (Fake) Shadow"), which needs no bias and
+// leaves no gap at the contact. Its double-precision reference is report/contact_shadow_reference.h.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "gl/objects.h"
+#include "gl/program.h"
+#include "gl/shader_library.h"
+#include "lighting/probe.h"
+
+namespace matchlight {
+
+struct ContactShadowSettings {
+    int directions = 128;   // strata of light, 1..1024
+    int resolution = 1024;  // texels along the longer side of each map, 16..4096
+    /// Where the shadow is cut off: the share of the surface's light that may be lost unseen beyond the far map's edge.
+    /// 0.002 of the light is less than half a code of 8 bits everywhere on the sRGB curve.
+    double lost_share = 0.002;
+
+    /// Throws std::invalid_argument naming the value that is out of range.
+    void check() const;
+};
+
+/// The geometry that casts: all of it lies in `bounds_m`; `draw` draws it with the given program (positions at
+/// attribute 0, uniform `world_from_model` set for each object).
+struct ShadowCasters {
+    Eigen::AlignedBox3d bounds_m;
+    std::function<void(Program&)> draw;
+};
+
+/// The RGB share of the surface's light that the casters take away, over a rectangle of the surface (world x, y); row 0
+/// holds the smallest y.
+struct ShadowMap {
+    Texture2D loss;  // RGBA32F
+    Eigen::AlignedBox2d rectangle_m;
+};
+
+/// The whole shadow is 1 − fine − far: the fine map holds the steep directions' shadows, close around the casters'
+/// feet, the far map the flat ones', as far as they reach.
+struct ContactShadow {
+    ShadowMap fine, far;
+    double surface_z_m = 0;
+
+    /// Sets the uniforms of effects/contact_shadow/contact_shadow.glsl; takes texture units `first_unit` and the next.
+    void bind(Program& program, GLuint first_unit) const;
+};
+
+/// The shadow of `casters` on the surface at height `surface_z_m`, drawn once: static casters under static light need
+/// no other. `samples` cover the hemisphere above the surface. Nullopt where no caster rises above the surface or no
+/// light comes from above: there the ratio is 1 by definition.
+std::optional<ContactShadow> make_contact_shadow(ShaderLibrary& shaders, const ShadowCasters& casters,
+                                                 double surface_z_m, const std::vector<DirectionalSample>& samples,
+                                                 const ContactShadowSettings& settings);
+
+/// The rectangle of the surface outside which the casters block less than `lost_share` of its light.
+Eigen::AlignedBox2d contact_shadow_reach(const Eigen::AlignedBox3d& caster_bounds_m, double surface_z_m,
+                                         const std::vector<DirectionalSample>& samples, double lost_share);
+
+}  // namespace matchlight
