@@ -165,8 +165,9 @@ TEST_F(ImageBadInput, TruncatedPictures) {
 TEST_F(ImageBadInput, PictureBombs) {
     // Whole PNG chunks with correct CRCs that claim 65536 × 65536 pixels.
     const std::string bomb(
-        "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\x01\0\0\0\x01\0\0\x08\x02\0\0\0\xe3\xe6\xa7\xb4\0\0\0\0IEND\xae\x42\x60\x82",
-        45);
+        "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\x01\0\0\0\x01\0\0\x08\x02\0\0\0\xe3\xe6\xa7\xb4\0\0\0\0IDAT\x35\xaf\x06\x1e"
+        "\0\0\0\0IEND\xae\x42\x60\x82",
+        57);
     EXPECT_THAT(error_of([&] { read_rgb8(write_bytes("bomb.png", bomb)); }), HasSubstr("65536"));
     EXPECT_THAT(linear_error(small_exr("probe.exr")), "");
     EXPECT_THAT(error_of([&] { read_rgb8(folder_ / "probe.exr"); }), HasSubstr("not a picture"));
