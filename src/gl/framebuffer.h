@@ -24,6 +24,14 @@ struct Attachment {
           height(of.height() >> at_level),
           level(at_level),
           layer(at_layer) {}
+    /// One face of one level of a cube map.
+    Attachment(const TextureCube& of, int at_level, int face)
+        : texture(of.name()),
+          format(of.format()),
+          width(of.face_size(at_level)),
+          height(of.face_size(at_level)),
+          level(at_level),
+          layer(face) {}
 };
 
 class Framebuffer {

@@ -216,6 +216,7 @@ public:
 
     int face_size(int level = 0) const { return face_size_ >> level; }
     int levels() const { return levels_; }
+    GLenum format() const { return format_; }
     GLuint name() const { return name_.get(); }
     explicit operator bool() const { return static_cast<bool>(name_); }
 

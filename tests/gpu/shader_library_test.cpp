@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <regex>
 
 #include <gmock/gmock.h>
 
@@ -46,7 +47,17 @@ private:
 };
 
 // The rule that lets a test compile everything: each stage compiles without definitions (a file gives its own
-// defaults under #ifndef), and x.frag links with the x.vert beside it, or else with common/fullscreen.vert.
+// defaults under #ifndef), and x.frag links with the vertex shader it names in a comment ("Links with a/b.vert"), or with
+// the x.vert beside it, or else with common/fullscreen.vert.
+std::string partner_of(const fs::path& root, const fs::path& fragment_file) {
+    std::ifstream stream(root / fragment_file);
+    const std::string text(std::istreambuf_iterator<char>(stream), {});
+    std::smatch named;
+    if (std::regex_search(text, named, std::regex(R"(Links with ([\w/]+\.vert))"))) return named[1];
+    const fs::path beside = fs::path(fragment_file).replace_extension(".vert");
+    return fs::exists(root / beside) ? beside.string() : "common/fullscreen.vert";
+}
+
 TEST_F(Shaders, all_of_the_repository_compile_and_link) {
     const fs::path root = fs::path(MATCHLIGHT_SOURCE_DIR) / "shaders";
     ShaderLibrary library(root);
@@ -61,9 +72,7 @@ TEST_F(Shaders, all_of_the_repository_compile_and_link) {
             EXPECT_NO_THROW(library.compute(file.string()));
         } else if (extension == ".frag") {
             ++fragments;
-            const fs::path beside = fs::path(file).replace_extension(".vert");
-            const std::string vertex = fs::exists(root / beside) ? beside.string() : "common/fullscreen.vert";
-            EXPECT_NO_THROW(library.program({{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, file.string()}}));
+            EXPECT_NO_THROW(library.program({{GL_VERTEX_SHADER, partner_of(root, file)}, {GL_FRAGMENT_SHADER, file.string()}}));
         } else if (entry.is_regular_file()) {
             EXPECT_EQ(extension, ".glsl") << "neither a stage nor an include";
         }

@@ -1,0 +1,55 @@
+// A glTF 2.0 metallic-roughness material: factors, textures and the normal they give a fragment.
+// Bits of `material_textures`, as in render/surface.cpp.
+const int has_base_color = 1, has_metallic_roughness = 2, has_normal = 4, has_occlusion = 8, has_emissive = 16;
+
+layout(binding = 0) uniform sampler2D base_color_texture;          // sRGB
+layout(binding = 1) uniform sampler2D metallic_roughness_texture;  // G roughness, B metallic
+layout(binding = 2) uniform sampler2D normal_texture;
+layout(binding = 3) uniform sampler2D occlusion_texture;  // R
+layout(binding = 4) uniform sampler2D emissive_texture;   // sRGB
+
+uniform int material_textures = 0;
+uniform vec4 base_color_factor = vec4(1.0);
+uniform float metallic_factor = 0.0;
+uniform float roughness_factor = 0.5;
+uniform vec3 emissive_factor = vec3(0.0);
+uniform float normal_scale = 1.0;
+uniform float occlusion_strength = 1.0;
+uniform float alpha_cutoff = 0.0;   // fragments with less are left out
+uniform bool alpha_blends = false;  // else what is left is opaque
+
+vec4 base_color_at(vec2 uv, vec4 vertex_color) {
+    vec4 color = base_color_factor * vertex_color;
+    if ((material_textures & has_base_color) != 0) color *= texture(base_color_texture, uv);
+    return color;
+}
+
+vec2 metallic_roughness_at(vec2 uv) {
+    vec2 value = vec2(metallic_factor, roughness_factor);
+    if ((material_textures & has_metallic_roughness) != 0) value *= texture(metallic_roughness_texture, uv).bg;
+    return clamp(value, 0.0, 1.0);
+}
+
+vec3 emissive_at(vec2 uv) {
+    vec3 emissive = emissive_factor;
+    if ((material_textures & has_emissive) != 0) emissive *= texture(emissive_texture, uv).rgb;
+    return emissive;
+}
+
+float occlusion_at(vec2 uv) {
+    if ((material_textures & has_occlusion) == 0) return 1.0;
+    return 1.0 + occlusion_strength * (texture(occlusion_texture, uv).r - 1.0);
+}
+
+// The shading normal, on the side the eye sees. `tangent` is zero where the model has none.
+vec3 shading_normal(vec3 normal, vec4 tangent, vec2 uv, bool front_facing) {
+    vec3 n = normalize(normal);
+    if ((material_textures & has_normal) != 0 && dot(tangent.xyz, tangent.xyz) > 0.0) {
+        vec3 t = normalize(tangent.xyz - dot(tangent.xyz, n) * n);
+        vec3 b = cross(n, t) * tangent.w;
+        vec3 mapped = texture(normal_texture, uv).xyz * 2.0 - 1.0;
+        mapped.xy *= normal_scale;
+        n = normalize(mat3(t, b, n) * mapped);
+    }
+    return front_facing ? n : -n;
+}

@@ -1,0 +1,88 @@
+#version 450 core
+// Scene-linear radiance that a surface sends to the eye under the environment, premultiplied with its coverage.
+#include "common/environment.glsl"
+#include "common/material.glsl"
+#include "common/visibility.glsl"
+
+in vec3 world_position;
+in vec3 world_normal;
+in vec4 world_tangent;
+in vec2 material_uv;
+in vec4 vertex_color;
+
+uniform vec3 eye_world;
+uniform bool reflects_sphere_map = false;
+uniform vec3 classic_diffuse = vec3(0.0);   // Od
+uniform vec3 classic_specular = vec3(0.0);  // Ks
+
+layout(location = 0) out vec4 color;
+
+// Over 65504 a half float is infinite, and one infinity floods every blur after it.
+const float largest_half = 65504.0;
+
+// Ambient occlusion of reflections (Lagarde & de Rousiers 2014, "Moving Frostbite to Physically Based Rendering").
+float specular_occlusion(float n_dot_v, float occlusion, float roughness) {
+    return clamp(pow(n_dot_v + occlusion, exp2(-16.0 * roughness - 1.0)) - 1.0 + occlusion, 0.0, 1.0);
+}
+
+// Roughness widened by what one pixel covers of the reflected directions, so that small lights on curved mirrors are
+// averaged, not missed or hit by chance (after Tokuyoshi & Kaplanyan 2019, "Improved Geometric Specular Antialiasing",
+// with the spread of the reflection in place of the half vector's). A pixel that spans an angle f has the variance f²/12;
+// a GGX lobe's core, twice as wide about the reflection as about the half vector, has (1.09 alpha)².
+float widened_roughness(float roughness, vec3 reflected) {
+    vec3 dx = dFdx(reflected);
+    vec3 dy = dFdy(reflected);
+    float span2 = min(0.5 * (dot(dx, dx) + dot(dy, dy)), 1.0);
+    float alpha2 = pow(roughness, 4.0) + span2 / (12.0 * 1.09 * 1.09);
+    return min(sqrt(sqrt(alpha2)), 1.0);
+}
+
+void main() {
+    vec4 base = base_color_at(material_uv, vertex_color);
+    if (base.a < alpha_cutoff) discard;
+    float alpha = alpha_blends ? clamp(base.a, 0.0, 1.0) : 1.0;
+
+    vec3 n = shading_normal(world_normal, world_tangent, material_uv, gl_FrontFacing);
+    vec3 v = normalize(eye_world - world_position);
+    // An interpolated normal may turn away from the eye near a silhouette; seen edge on it still reflects forwards.
+    const float least_cosine = 1e-4;
+    float n_dot_v = dot(n, v);
+    if (n_dot_v < least_cosine) {
+        n = normalize(n + (least_cosine - n_dot_v) * v);
+        n_dot_v = least_cosine;
+    }
+    vec3 reflected = reflect(-v, n);
+    vec3 diffuse_light = diffuse_radiance(n) * diffuse_visibility(world_position, n);
+
+    vec3 radiance;
+    if (reflects_sphere_map) {
+        vec3 environment = texture(environment_sphere_map, sphere_map_uv(reflected)).rgb;
+        radiance = classic_diffuse * diffuse_light +
+                   classic_specular * environment * specular_visibility(world_position, n, reflected, 0.0);
+    } else {
+        vec2 metallic_roughness = metallic_roughness_at(material_uv);
+        float metallic = metallic_roughness.x;
+        float roughness = metallic_roughness.y;
+        float occlusion = occlusion_at(material_uv);
+        vec3 f0 = mix(vec3(0.04), base.rgb, metallic);  // 4 %: glTF 2.0, appendix B
+        vec3 albedo = base.rgb * (1.0 - metallic);
+
+        // Single and multiple scattering (Fdez-Agüera 2019, "A Multiple-Scattering Microfacet Model for Real-Time
+        // Image-based Lighting"): a white surface in white light sends back all of it.
+        vec2 table = split_sum(n_dot_v, roughness);
+        vec3 single = f0 * table.x + table.y;
+        float missing = 1.0 - (table.x + table.y);
+        vec3 mean_fresnel = f0 + (1.0 - f0) / 21.0;
+        vec3 multiple = missing * single * mean_fresnel / (1.0 - mean_fresnel * missing);
+        vec3 transmitted = albedo * (1.0 - single - multiple);
+
+        // The lobe of a rough surface leans towards the normal.
+        vec3 dominant = normalize(mix(reflected, n, pow(roughness, 4.0)));
+        vec3 glossy = reflected_radiance(dominant, widened_roughness(roughness, reflected)) *
+                      specular_visibility(world_position, n, dominant, roughness) *
+                      specular_occlusion(n_dot_v, occlusion, roughness);
+        radiance = single * glossy + (multiple + transmitted) * diffuse_light * occlusion;
+    }
+    radiance += emissive_at(material_uv);
+    color = vec4(min(radiance, vec3(largest_half)) * alpha, alpha);
+}

@@ -1,0 +1,26 @@
+#version 450 core
+// A model's vertices, for shading and for the layers.
+layout(location = 0) in vec3 position;  // metres, the model's own axes
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec4 tangent;  // w: handedness
+layout(location = 3) in vec2 texture_uv;
+layout(location = 4) in vec4 color;
+
+uniform mat4 clip_from_model;  // multiplied in double precision on the CPU
+uniform mat4 world_from_model;
+uniform mat3 normal_from_model;  // inverse transpose
+
+out vec3 world_position;
+out vec3 world_normal;
+out vec4 world_tangent;
+out vec2 material_uv;
+out vec4 vertex_color;
+
+void main() {
+    world_position = (world_from_model * vec4(position, 1.0)).xyz;
+    world_normal = normal_from_model * normal;
+    world_tangent = vec4(mat3(world_from_model) * tangent.xyz, tangent.w);
+    material_uv = texture_uv;
+    vertex_color = color;
+    gl_Position = clip_from_model * vec4(position, 1.0);
+}

@@ -1,0 +1,304 @@
+// Draws objects in order, resolves their edges, draws the layers.
+#include "render/surface.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "gl/context.h"
+#include "render/surface_mesh.h"
+
+namespace matchlight {
+
+struct SurfaceRenderer::Mesh {
+    SurfaceMesh geometry;
+    std::size_t material = 0;
+};
+
+struct SurfaceRenderer::Object {
+    Eigen::Matrix4d world_from_model;
+    ReflectionForm reflection;
+    int id;
+    bool casts_shadow;
+    SurfaceTextures textures;
+    std::vector<SurfaceMaterial> materials;
+    std::vector<Mesh> meshes;
+
+    const SurfaceMaterial& material_of(const Mesh& mesh) const { return materials[mesh.material]; }
+    bool casts(const Mesh& mesh) const {
+        constexpr float solid = 0.5F;
+        const SurfaceMaterial& material = material_of(mesh);
+        return casts_shadow && (!material.blends() || material.factors.base_color[3] >= solid);
+    }
+    Eigen::AlignedBox3d bounds_of(const Mesh& mesh) const {
+        const Eigen::AlignedBox3d& box = mesh.geometry.bounds_m();
+        Eigen::AlignedBox3d world;
+        for (int i = 0; i < 8; ++i) {
+            const Eigen::Vector3d corner = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
+            world.extend((world_from_model * corner.homogeneous()).hnormalized());
+        }
+        return world;
+    }
+};
+
+/// What draws go into; grown to the largest view met, so that views whose size changes do not allocate every time.
+struct SurfaceRenderer::Targets {
+    Texture2D multisampled_color, multisampled_depth;
+    Framebuffer multisampled;
+    Texture2D color, depth;  // depth only where nothing is multisampled
+    Framebuffer resolved;
+    Texture2D layer_depth_m, layer_normal, layer_id, layer_depth;
+    Framebuffer layers;
+
+    static constexpr GLenum color_format = GL_RGBA16F;
+    static constexpr GLenum depth_format = GL_DEPTH_COMPONENT32F;
+
+    static bool holds(const Texture2D& texture, const SurfaceView& view, int samples) {
+        return texture && texture.width() >= view.width && texture.height() >= view.height &&
+               texture.shape().samples == samples;
+    }
+    /// A view's size in whole steps, not below what was there.
+    static TextureShape shape_for(const Texture2D& before, const SurfaceView& view) {
+        constexpr int step = 64;
+        const auto rounded = [](int size) { return (size + step - 1) / step * step; };
+        TextureShape shape;
+        shape.width = std::max(rounded(view.width), before ? before.width() : 0);
+        shape.height = std::max(rounded(view.height), before ? before.height() : 0);
+        return shape;
+    }
+
+    void fit_color(const SurfaceView& view, int samples) {
+        const bool needs_depth = samples == 1;
+        if (!holds(color, view, 0) || (needs_depth && !depth)) {
+            TextureShape shape = shape_for(color, view);
+            shape.format = color_format;
+            color = Texture2D(shape);
+            shape.format = depth_format;
+            depth = needs_depth ? Texture2D(shape) : Texture2D();
+            resolved = needs_depth ? Framebuffer({color}, depth) : Framebuffer({color});
+        }
+        if (samples > 1 && !holds(multisampled_color, view, samples)) {
+            TextureShape shape = shape_for(multisampled_color, view);
+            shape.samples = samples;
+            shape.format = color_format;
+            multisampled_color = Texture2D(shape);
+            shape.format = depth_format;
+            multisampled_depth = Texture2D(shape);
+            multisampled = Framebuffer({multisampled_color}, multisampled_depth);
+        }
+    }
+    void fit_layers(const SurfaceView& view) {
+        if (holds(layer_depth_m, view, 0)) return;
+        TextureShape shape = shape_for(layer_depth_m, view);
+        shape.format = GL_R32F;
+        layer_depth_m = Texture2D(shape);
+        shape.format = GL_RGBA16F;
+        layer_normal = Texture2D(shape);
+        shape.format = GL_R32UI;
+        layer_id = Texture2D(shape);
+        shape.format = depth_format;
+        layer_depth = Texture2D(shape);
+        layers = Framebuffer({layer_depth_m, layer_normal, layer_id}, layer_depth);
+    }
+};
+
+namespace {
+
+/// Clears obey the scissor: the targets may be much larger than the view.
+void begin_clearing(const Region& region) {
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(region.x, region.y, region.width, region.height);
+}
+
+void set_opaque_state() {
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
+}
+
+void set_blended_state() {
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // premultiplied
+    glDepthMask(GL_FALSE);
+}
+
+void leave_state() {
+    glDepthMask(GL_TRUE);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+    glDisable(GL_CULL_FACE);
+    glFrontFace(GL_CCW);
+}
+
+}  // namespace
+
+SurfaceRenderer::SurfaceRenderer(ShaderLibrary& shaders) : shaders_(shaders), targets_(std::make_unique<Targets>()) {}
+SurfaceRenderer::~SurfaceRenderer() = default;
+
+std::size_t SurfaceRenderer::add_object(const SurfaceObject& object) {
+    assert(object.model && object.id > 0);
+    const Model& model = *object.model;
+    Object added{object.world_from_model, object.reflection, object.id, object.casts_shadow, {}, {}, {}};
+    for (const ModelMaterial& material : model.materials) {
+        added.materials.push_back(make_surface_material(model, material, object.material, added.textures));
+    }
+    if (added.materials.empty()) {
+        added.materials.push_back(make_surface_material(model, ModelMaterial{}, object.material, added.textures));
+    }
+    for (const ModelMesh& mesh : model.meshes) {
+        if (mesh.indices.empty()) continue;
+        const auto material = static_cast<std::size_t>(std::max(mesh.material, 0));
+        assert(material < added.materials.size());
+        added.meshes.push_back({SurfaceMesh(mesh), material});
+    }
+    objects_.push_back(std::move(added));
+    return objects_.size() - 1;
+}
+
+void SurfaceRenderer::place_object(std::size_t index, const Eigen::Matrix4d& world_from_model) {
+    objects_.at(index).world_from_model = world_from_model;
+}
+
+std::size_t SurfaceRenderer::object_count() const { return objects_.size(); }
+
+Eigen::AlignedBox3d SurfaceRenderer::object_bounds_m(std::size_t index) const {
+    Eigen::AlignedBox3d box;
+    const Object& object = objects_.at(index);
+    for (const Mesh& mesh : object.meshes) box.extend(object.bounds_of(mesh));
+    return box;
+}
+
+Eigen::AlignedBox3d SurfaceRenderer::bounds_m() const {
+    Eigen::AlignedBox3d box;
+    for (std::size_t i = 0; i < objects_.size(); ++i) box.extend(object_bounds_m(i));
+    return box;
+}
+
+Eigen::AlignedBox3d SurfaceRenderer::shadow_caster_bounds_m() const {
+    Eigen::AlignedBox3d box;
+    for (const Object& object : objects_) {
+        for (const Mesh& mesh : object.meshes) {
+            if (object.casts(mesh)) box.extend(object.bounds_of(mesh));
+        }
+    }
+    return box;
+}
+
+void SurfaceRenderer::draw_mesh(Program& program, const Object& object, const Mesh& mesh) const {
+    const SurfaceMaterial& material = object.material_of(mesh);
+    material.bind(program);
+    // A mirroring placement turns the triangles' winding round.
+    glFrontFace(object.world_from_model.topLeftCorner<3, 3>().determinant() < 0 ? GL_CW : GL_CCW);
+    if (!material.factors.double_sided) {
+        glEnable(GL_CULL_FACE);
+        glCullFace(GL_BACK);
+        mesh.geometry.draw();
+        return;
+    }
+    if (!material.blends()) {
+        glDisable(GL_CULL_FACE);
+        mesh.geometry.draw();
+        return;
+    }
+    // Both sides of a blended mesh, the far one first.
+    glEnable(GL_CULL_FACE);
+    for (const GLenum hidden : {GL_FRONT, GL_BACK}) {
+        glCullFace(hidden);
+        mesh.geometry.draw();
+    }
+}
+
+void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, bool for_layers) const {
+    struct Blended {
+        const Object* object;
+        const Mesh* mesh;
+        double distance_m;
+    };
+    std::vector<Blended> blended;
+    const auto place = [&](const Object& object) {
+        const Eigen::Matrix3d linear = object.world_from_model.topLeftCorner<3, 3>();
+        program.set("clip_from_model", Eigen::Matrix4f((view.clip_from_world * object.world_from_model).cast<float>()));
+        program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
+        program.set("normal_from_model", Eigen::Matrix3f(linear.inverse().transpose().cast<float>()));
+        program.set("reflects_sphere_map", object.reflection == ReflectionForm::sphere_map);
+        program.set("object_id", static_cast<unsigned>(object.id));
+    };
+    set_opaque_state();
+    for (const Object& object : objects_) {
+        place(object);
+        for (const Mesh& mesh : object.meshes) {
+            if (object.material_of(mesh).blends() && !for_layers) {
+                const double distance_m = (object.bounds_of(mesh).center() - view.eye_world_m).norm();
+                blended.push_back({&object, &mesh, distance_m});
+            } else {
+                draw_mesh(program, object, mesh);
+            }
+        }
+    }
+    std::ranges::stable_sort(blended, std::greater<>(), &Blended::distance_m);
+    if (!blended.empty()) set_blended_state();
+    for (const Blended& next : blended) {
+        place(*next.object);
+        draw_mesh(program, *next.object, *next.mesh);
+    }
+    leave_state();
+}
+
+SurfacePicture SurfaceRenderer::draw(const Environment& environment, const SurfaceView& view,
+                                     const SurfaceShading& shading) {
+    assert(view.width > 0 && view.height > 0 && view.samples > 0);
+    const int samples = std::min(view.samples, current_gl_context()->info().max_samples);
+    targets_->fit_color(view, samples);
+    Program& program = shaders_.program(
+        {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}}, shading.defines);
+    program.use();
+    program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));
+    environment.bind(program);
+    if (shading.bind) shading.bind(program);
+
+    const Region region{0, 0, view.width, view.height};
+    const Framebuffer& target = samples > 1 ? targets_->multisampled : targets_->resolved;
+    target.bind(region);
+    begin_clearing(region);
+    target.clear_color(0, 0, 0, 0, 0);
+    target.clear_depth();
+    glDisable(GL_SCISSOR_TEST);
+    draw_meshes(program, view, false);
+    if (samples > 1) target.resolve_color_to(targets_->resolved, region);
+    return {.width = view.width, .height = view.height, .color = &targets_->color};
+}
+
+SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
+    assert(view.width > 0 && view.height > 0);
+    targets_->fit_layers(view);
+    Program& program =
+        shaders_.program({{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/layers.frag"}});
+    program.use();
+    const Framebuffer& target = targets_->layers;
+    const Region region{0, 0, view.width, view.height};
+    target.bind(region);
+    begin_clearing(region);
+    target.clear_color(0, 0, 0, 0, 0);
+    target.clear_color(1, 0, 0, 0, 0);
+    target.clear_color_integer(2, 0);
+    target.clear_depth();
+    glDisable(GL_SCISSOR_TEST);
+    draw_meshes(program, view, true);
+    return {.width = view.width,
+            .height = view.height,
+            .depth_m = &targets_->layer_depth_m,
+            .normal = &targets_->layer_normal,
+            .object_id = &targets_->layer_id};
+}
+
+void SurfaceRenderer::draw_shadow_casters(Program& program) const {
+    program.use();
+    for (const Object& object : objects_) {
+        program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
+        for (const Mesh& mesh : object.meshes) {
+            if (object.casts(mesh)) mesh.geometry.draw();
+        }
+    }
+}
+
+}  // namespace matchlight

@@ -1,0 +1,95 @@
+// Draws the virtual objects under the probe's light: what the camera would see of them, and nothing else.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "gl/framebuffer.h"
+#include "gl/shader_library.h"
+#include "render/environment.h"
+#include "scene/model.h"
+#include "scene/scene_file.h"
+
+namespace matchlight {
+
+/// What one draw sees. `clip_from_world` is clip_from_camera (core/transforms.h) of the drawn region times
+/// camera_from_world: reversed z, y up, clip w = metres along the camera's z.
+struct SurfaceView {
+    Eigen::Matrix4d clip_from_world = Eigen::Matrix4d::Identity();
+    Eigen::Vector3d eye_world_m = Eigen::Vector3d::Zero();
+    int width = 0, height = 0;  // pixels of the picture (of the supersampled one, if it is)
+    int samples = 4;            // a pixel, for edges; 1 is none; more than the driver has becomes what it has
+};
+
+/// Points into textures of the renderer that may be larger than the view and hold until its next draw: the picture is
+/// their top-left width × height. Layers are null unless drawn.
+struct SurfacePicture {
+    int width = 0, height = 0;
+    const Texture2D* color = nullptr;      // premultiplied radiance in probe units, coverage in alpha; RGBA16F
+    const Texture2D* depth_m = nullptr;    // along the camera's z, 0 where nothing is; R32F
+    const Texture2D* normal = nullptr;     // world, unit length, w = 1; zero where nothing is; RGBA16F
+    const Texture2D* object_id = nullptr;  // 0 where nothing is; R32UI
+};
+
+/// An object as it is added; `model` is only read while adding.
+struct SurfaceObject {
+    const Model* model = nullptr;
+    Eigen::Matrix4d world_from_model = Eigen::Matrix4d::Identity();
+    MaterialOverride material;
+    ReflectionForm reflection = ReflectionForm::cube;
+    int id = 1;  // in the object-id layer; 0 is kept for the background
+    bool casts_shadow = true;
+};
+
+/// What other passes bring into the shading of surfaces: definitions and uniforms for common/visibility.glsl. Texture
+/// units from `first_free_unit` are theirs.
+struct SurfaceShading {
+    ShaderDefines defines;
+    std::function<void(Program&)> bind;
+    static constexpr GLuint first_free_unit = 8;
+};
+
+/// Objects on the GPU. Opaque and masked meshes are drawn first, then the blended ones from back to front by the
+/// distance of their centres. Each draw sets the depth, blend and cull state it needs and leaves depth test, blending
+/// and culling off.
+class SurfaceRenderer {
+public:
+    explicit SurfaceRenderer(ShaderLibrary& shaders);
+    ~SurfaceRenderer();
+
+    /// Uploads the model; returns the object's index. Throws InputError for textures larger than the driver takes.
+    std::size_t add_object(const SurfaceObject& object);
+    void place_object(std::size_t index, const Eigen::Matrix4d& world_from_model);
+    std::size_t object_count() const;
+
+    /// Box in world axes around an object, and around all of them (empty when there are none).
+    Eigen::AlignedBox3d object_bounds_m(std::size_t index) const;
+    Eigen::AlignedBox3d bounds_m() const;
+    /// Around those that draw_shadow_casters draws.
+    Eigen::AlignedBox3d shadow_caster_bounds_m() const;
+
+    SurfacePicture draw(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading = {});
+    /// Depth, normal and object id, one sample a pixel; the colour of the picture is null.
+    SurfacePicture draw_layers(const SurfaceView& view);
+
+    /// Draws the geometry of shadow casters with the caller's program and state: position at attribute 0, uniform
+    /// `world_from_model` set for each object. Blended meshes whose alpha is below a half cast none.
+    void draw_shadow_casters(Program& program) const;
+
+private:
+    struct Mesh;
+    struct Object;
+    struct Targets;
+
+    void draw_meshes(Program& program, const SurfaceView& view, bool for_layers) const;
+    void draw_mesh(Program& program, const Object& object, const Mesh& mesh) const;
+
+    ShaderLibrary& shaders_;
+    std::vector<Object> objects_;
+    std::unique_ptr<Targets> targets_;
+};
+
+}  // namespace matchlight

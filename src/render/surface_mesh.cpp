@@ -1,0 +1,120 @@
+// Uploads meshes and textures, binds materials.
+#include "render/surface_mesh.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "gl/context.h"
+
+namespace matchlight {
+
+SurfaceMesh::SurfaceMesh(const ModelMesh& mesh)
+    : vertices_(std::span<const ModelVertex>(mesh.vertices)),
+      indices_(std::span<const std::uint32_t>(mesh.indices)),
+      index_count_(static_cast<GLsizei>(mesh.indices.size())) {
+    const VertexArray::Attribute attributes[] = {
+        {.location = 0, .components = 3, .byte_offset = offsetof(ModelVertex, position)},
+        {.location = 1, .components = 3, .byte_offset = offsetof(ModelVertex, normal)},
+        {.location = 2, .components = 4, .byte_offset = offsetof(ModelVertex, tangent)},
+        {.location = 3, .components = 2, .byte_offset = offsetof(ModelVertex, uv)},
+        {.location = 4, .components = 4, .byte_offset = offsetof(ModelVertex, color)}};
+    array_.set_vertex_buffer(0, vertices_, sizeof(ModelVertex), attributes);
+    array_.set_index_buffer(indices_);
+    for (const ModelVertex& vertex : mesh.vertices) {
+        bounds_m_.extend(Eigen::Vector3d(vertex.position[0], vertex.position[1], vertex.position[2]));
+    }
+}
+
+void SurfaceMesh::draw() const {
+    array_.bind();
+    glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+}
+
+void SurfaceMaterial::bind(Program& program) const {
+    int present = 0;
+    for (std::size_t i = 0; i < textures.size(); ++i) {
+        if (!textures[i]) continue;
+        textures[i]->bind(static_cast<GLuint>(i));
+        present |= 1 << i;
+    }
+    program.set("material_textures", present);
+    program.set("base_color_factor", Eigen::Vector4f(factors.base_color.data()));
+    program.set("metallic_factor", factors.metallic);
+    program.set("roughness_factor", factors.roughness);
+    program.set("emissive_factor", Eigen::Vector3f(factors.emissive.data()));
+    program.set("normal_scale", factors.normal_scale);
+    program.set("occlusion_strength", factors.occlusion_strength);
+    program.set("alpha_cutoff", factors.alpha_mode == AlphaMode::mask ? factors.alpha_cutoff : 0.0F);
+    program.set("alpha_blends", blends());
+    program.set("classic_diffuse", classic_diffuse);
+    program.set("classic_specular", classic_specular);
+}
+
+const Texture2D* SurfaceTextures::texture(const Model& model, int index, bool is_srgb) {
+    if (index < 0) return nullptr;
+    const auto known = std::ranges::find_if(
+        entries_, [&](const Entry& entry) { return entry.index == index && entry.is_srgb == is_srgb; });
+    if (known != entries_.end()) return known->texture.get();
+    const ModelTexture& source = model.textures.at(static_cast<std::size_t>(index));
+    const Image8& image = source.rgba;
+    const int largest = current_gl_context()->info().max_texture_size;
+    if (image.width() > largest || image.height() > largest) {
+        throw InputError(source.name, fmt::format("the texture has {}×{} pixels; this OpenGL driver takes {}",
+                                                  image.width(), image.height(), largest));
+    }
+    auto texture = std::make_unique<Texture2D>(TextureShape{.format = is_srgb ? GLenum{GL_SRGB8_ALPHA8} : GLenum{GL_RGBA8},
+                                                            .width = image.width(),
+                                                            .height = image.height(),
+                                                            .levels = 0});
+    texture->upload(image);
+    texture->make_mipmaps();
+    texture->set_filter(Filter::trilinear);
+    texture->set_wrap(source.wrap_repeat_u ? Wrap::repeat : Wrap::clamp_to_edge,
+                      source.wrap_repeat_v ? Wrap::repeat : Wrap::clamp_to_edge);
+    entries_.push_back({index, is_srgb, std::move(texture)});
+    return entries_.back().texture.get();
+}
+
+SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& material, const MaterialOverride& chosen,
+                                      SurfaceTextures& textures) {
+    SurfaceMaterial result;
+    ModelMaterial& factors = result.factors;
+    factors = material;
+    const auto to_float = [](const std::array<double, 3>& value) {
+        return std::array<float, 3>{static_cast<float>(value[0]), static_cast<float>(value[1]),
+                                    static_cast<float>(value[2])};
+    };
+    // A value the scene sets replaces the model's, its texture included.
+    if (chosen.base_color) {
+        const auto rgb = to_float(*chosen.base_color);
+        std::copy(rgb.begin(), rgb.end(), factors.base_color.begin());
+        factors.base_color_texture = -1;
+    }
+    if (chosen.metallic || chosen.roughness) {
+        factors.metallic = static_cast<float>(chosen.metallic.value_or(factors.metallic));
+        factors.roughness = static_cast<float>(chosen.roughness.value_or(factors.roughness));
+        factors.metallic_roughness_texture = -1;
+    }
+    if (chosen.emissive) {
+        factors.emissive = to_float(*chosen.emissive);
+        factors.emissive_texture = -1;
+    }
+    result.textures = {textures.texture(model, factors.base_color_texture, true),
+                       textures.texture(model, factors.metallic_roughness_texture, false),
+                       textures.texture(model, factors.normal_texture, false),
+                       textures.texture(model, factors.occlusion_texture, false),
+                       textures.texture(model, factors.emissive_texture, true)};
+    const Eigen::Vector3f base(factors.base_color.data());
+    constexpr float dielectric_reflectance = 0.04F;  // glTF 2.0, appendix B
+    const Eigen::Vector3f reflectance =
+        Eigen::Vector3f::Constant(dielectric_reflectance * (1 - factors.metallic)) + factors.metallic * base;
+    result.classic_diffuse =
+        chosen.diffuse ? Eigen::Vector3f(to_float(*chosen.diffuse).data()) : Eigen::Vector3f((1 - factors.metallic) * base);
+    result.classic_specular = chosen.specular ? Eigen::Vector3f(to_float(*chosen.specular).data()) : reflectance;
+    return result;
+}
+
+}  // namespace matchlight

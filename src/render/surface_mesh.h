@@ -1,0 +1,62 @@
+// A model's meshes, materials and textures as they lie on the GPU.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "gl/objects.h"
+#include "gl/program.h"
+#include "scene/model.h"
+#include "scene/scene_file.h"
+
+namespace matchlight {
+
+/// Vertex attribute 0 is the position, 1 normal, 2 tangent, 3 uv, 4 colour (surface.vert).
+class SurfaceMesh {
+public:
+    explicit SurfaceMesh(const ModelMesh& mesh);
+    void draw() const;
+
+    const Eigen::AlignedBox3d& bounds_m() const { return bounds_m_; }
+
+private:
+    Buffer vertices_;
+    Buffer indices_;
+    VertexArray array_;
+    GLsizei index_count_ = 0;
+    Eigen::AlignedBox3d bounds_m_;
+};
+
+/// Factors and textures of a material, overrides already applied.
+struct SurfaceMaterial {
+    ModelMaterial factors;  // overrides of the scene applied
+    std::array<const Texture2D*, 5> textures{};  // base colour, metallic-roughness, normal, occlusion, emissive, or null
+    Eigen::Vector3f classic_diffuse = Eigen::Vector3f::Zero();   // Od
+    Eigen::Vector3f classic_specular = Eigen::Vector3f::Zero();  // Ks
+
+    bool blends() const { return factors.alpha_mode == AlphaMode::blend; }
+    /// Sets the uniforms and binds the textures (units 0 to 4) of common/material.glsl and the classic terms.
+    void bind(Program& program) const;
+};
+
+/// The textures of a model, each uploaded once for each way it is read (sRGB or linear).
+class SurfaceTextures {
+public:
+    /// Texture `index` of the model, or null for −1. Throws InputError when it is larger than the driver takes.
+    const Texture2D* texture(const Model& model, int index, bool is_srgb);
+
+private:
+    struct Entry {
+        int index = 0;
+        bool is_srgb = false;
+        std::unique_ptr<Texture2D> texture;
+    };
+    std::vector<Entry> entries_;
+};
+
+/// `override_` on top of the model's material. Od and Ks of the classic model come from it or, where it has none, from
+/// the metallic-roughness factors: Od = base colour · (1 − metallic), Ks = reflectance at normal incidence.
+SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& material, const MaterialOverride& chosen,
+                                      SurfaceTextures& textures);
+
+}  // namespace matchlight
