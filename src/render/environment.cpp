@@ -30,7 +30,9 @@ int face_size_for(const Probe& probe, const EnvironmentSettings& settings) {
     return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(probe.latlong.width() / 4))), least, most);
 }
 
-int level_count(int face_size) { return std::bit_width(static_cast<unsigned>(face_size / last_face_size)); }
+int level_count(int face_size) {
+    return std::bit_width(static_cast<unsigned>(face_size / last_face_size));
+}
 
 /// Half the size, each pixel the mean of four weighted by the solid angles of their rows.
 ImageF reduced(const ImageF& image) {
@@ -174,8 +176,8 @@ void Environment::draw_mirror_level(ShaderLibrary& shaders, const Texture2D& lat
 }
 
 void Environment::draw_rough_levels(ShaderLibrary& shaders, const TextureCube& mirror, int lobe_samples) const {
-    Program& program = shaders.full_screen("surface/environment_prefilter.frag",
-                                           {{"MOST_SAMPLES", std::to_string(lobe_samples)}});
+    Program& program =
+        shaders.full_screen("surface/environment_prefilter.frag", {{"MOST_SAMPLES", std::to_string(lobe_samples)}});
     program.use();
     mirror.bind(0);
     const FullScreenTriangle triangle;

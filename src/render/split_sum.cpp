@@ -19,13 +19,14 @@ double radical_inverse(std::uint32_t bits) {
     return reversed * 0x1p-32;
 }
 
-/// A normal of the GGX distribution as seen from `view` (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").
+/// A normal of the GGX distribution as seen from `view` (Heitz 2018, "Sampling the GGX Distribution of Visible
+/// Normals").
 Eigen::Vector3d visible_normal(const Eigen::Vector3d& view, double alpha, double u1, double u2) {
     const Eigen::Vector3d stretched = Eigen::Vector3d(alpha * view.x(), alpha * view.y(), view.z()).normalized();
     const double length2 = stretched.head<2>().squaredNorm();
-    const Eigen::Vector3d t1 = length2 > 0
-                                   ? Eigen::Vector3d(Eigen::Vector3d(-stretched.y(), stretched.x(), 0) / std::sqrt(length2))
-                                   : Eigen::Vector3d(1, 0, 0);
+    const Eigen::Vector3d t1 =
+        length2 > 0 ? Eigen::Vector3d(Eigen::Vector3d(-stretched.y(), stretched.x(), 0) / std::sqrt(length2))
+                    : Eigen::Vector3d(1, 0, 0);
     const Eigen::Vector3d t2 = stretched.cross(t1);
     const double radius = std::sqrt(u1);
     const double angle = 2 * std::numbers::pi * u2;

@@ -159,7 +159,9 @@ void SurfaceRenderer::place_object(std::size_t index, const Eigen::Matrix4d& wor
     objects_.at(index).world_from_model = world_from_model;
 }
 
-std::size_t SurfaceRenderer::object_count() const { return objects_.size(); }
+std::size_t SurfaceRenderer::object_count() const {
+    return objects_.size();
+}
 
 Eigen::AlignedBox3d SurfaceRenderer::object_bounds_m(std::size_t index) const {
     Eigen::AlignedBox3d box;

@@ -65,10 +65,11 @@ const Texture2D* SurfaceTextures::texture(const Model& model, int index, bool is
         throw InputError(source.name, fmt::format("the texture has {}×{} pixels; this OpenGL driver takes {}",
                                                   image.width(), image.height(), largest));
     }
-    auto texture = std::make_unique<Texture2D>(TextureShape{.format = is_srgb ? GLenum{GL_SRGB8_ALPHA8} : GLenum{GL_RGBA8},
-                                                            .width = image.width(),
-                                                            .height = image.height(),
-                                                            .levels = 0});
+    auto texture =
+        std::make_unique<Texture2D>(TextureShape{.format = is_srgb ? GLenum{GL_SRGB8_ALPHA8} : GLenum{GL_RGBA8},
+                                                 .width = image.width(),
+                                                 .height = image.height(),
+                                                 .levels = 0});
     texture->upload(image);
     texture->make_mipmaps();
     texture->set_filter(Filter::trilinear);
@@ -111,8 +112,8 @@ SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& m
     constexpr float dielectric_reflectance = 0.04F;  // glTF 2.0, appendix B
     const Eigen::Vector3f reflectance =
         Eigen::Vector3f::Constant(dielectric_reflectance * (1 - factors.metallic)) + factors.metallic * base;
-    result.classic_diffuse =
-        chosen.diffuse ? Eigen::Vector3f(to_float(*chosen.diffuse).data()) : Eigen::Vector3f((1 - factors.metallic) * base);
+    result.classic_diffuse = chosen.diffuse ? Eigen::Vector3f(to_float(*chosen.diffuse).data())
+                                            : Eigen::Vector3f((1 - factors.metallic) * base);
     result.classic_specular = chosen.specular ? Eigen::Vector3f(to_float(*chosen.specular).data()) : reflectance;
     return result;
 }

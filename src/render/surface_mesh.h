@@ -1,6 +1,7 @@
 // A model's meshes, materials and textures as they lie on the GPU.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -30,7 +31,8 @@ private:
 /// Factors and textures of a material, overrides already applied.
 struct SurfaceMaterial {
     ModelMaterial factors;  // overrides of the scene applied
-    std::array<const Texture2D*, 5> textures{};  // base colour, metallic-roughness, normal, occlusion, emissive, or null
+    std::array<const Texture2D*, 5>
+        textures{};  // base colour, metallic-roughness, normal, occlusion, emissive, or null
     Eigen::Vector3f classic_diffuse = Eigen::Vector3f::Zero();   // Od
     Eigen::Vector3f classic_specular = Eigen::Vector3f::Zero();  // Ks
 

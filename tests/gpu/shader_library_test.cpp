@@ -47,8 +47,8 @@ private:
 };
 
 // The rule that lets a test compile everything: each stage compiles without definitions (a file gives its own
-// defaults under #ifndef), and x.frag links with the vertex shader it names in a comment ("Links with a/b.vert"), or with
-// the x.vert beside it, or else with common/fullscreen.vert.
+// defaults under #ifndef), and x.frag links with the vertex shader it names in a comment ("Links with a/b.vert"), or
+// with the x.vert beside it, or else with common/fullscreen.vert.
 std::string partner_of(const fs::path& root, const fs::path& fragment_file) {
     std::ifstream stream(root / fragment_file);
     const std::string text(std::istreambuf_iterator<char>(stream), {});
@@ -72,7 +72,8 @@ TEST_F(Shaders, all_of_the_repository_compile_and_link) {
             EXPECT_NO_THROW(library.compute(file.string()));
         } else if (extension == ".frag") {
             ++fragments;
-            EXPECT_NO_THROW(library.program({{GL_VERTEX_SHADER, partner_of(root, file)}, {GL_FRAGMENT_SHADER, file.string()}}));
+            EXPECT_NO_THROW(
+                library.program({{GL_VERTEX_SHADER, partner_of(root, file)}, {GL_FRAGMENT_SHADER, file.string()}}));
         } else if (entry.is_regular_file()) {
             EXPECT_EQ(extension, ".glsl") << "neither a stage nor an include";
         }
