@@ -1,0 +1,31 @@
+// Resampling of probes between mappings that keeps uniform light uniform and the energy of every lamp.
+#pragma once
+
+#include "core/image.h"
+#include "lighting/mappings.h"
+#include "lighting/probe.h"
+
+namespace matchlight {
+
+/// The picture `source` of layout `from` in layout `to`. Every pixel of the result is the mean, over the solid angle it
+/// covers, of the source's pixels (interpolated between where the source is coarser). Pixels of the result that show no
+/// direction are 0.
+ImageF resample(const ImageF& source, const ProbeLayout& from, const ProbeLayout& to);
+
+/// A probe in any layout, and a lat-long probe of `height` rows from any layout.
+ImageF image_from_probe(const Probe& probe, const ProbeLayout& to);
+Probe probe_from_image(const ImageF& image, const ProbeLayout& from, int height);
+
+/// Height of the lat-long map that holds what an image of this layout can show.
+int latlong_height_for(const ProbeLayout& layout);
+
+/// The side of a `to` image (as in layout_of_size) that holds what a lat-long map of `latlong_height` rows shows.
+int size_for_latlong(ProbeMapping to, int latlong_height);
+
+/// Mirror-ball image for the classic sphere-map lookup of a world reflection vector r: with rx = r.x, ry = r.z and
+/// rz = r.y (the middle looks along world +y), m = 2·sqrt(rx² + ry² + (rz + 1)²), the texture coordinates from the lower
+/// left are (rx/m + ½, ry/m + ½). Beyond the rim the light from straight behind is continued, so that a
+/// filtered lookup never meets a border.
+ImageF mirror_ball_image(const Probe& probe, int size);
+
+}  // namespace matchlight
