@@ -54,10 +54,14 @@ struct CubeGrid {
 
 CubeGrid grid_of(CubeLayout layout) {
     switch (layout) {
-        case CubeLayout::vertical_cross: return {3, 4};
-        case CubeLayout::horizontal_cross: return {4, 3};
-        case CubeLayout::strip: return {6, 1};
-        case CubeLayout::column: return {1, 6};
+        case CubeLayout::vertical_cross:
+            return {3, 4};
+        case CubeLayout::horizontal_cross:
+            return {4, 3};
+        case CubeLayout::strip:
+            return {6, 1};
+        case CubeLayout::column:
+            return {1, 6};
     }
     assert(false);
     return {};
@@ -65,18 +69,26 @@ CubeGrid grid_of(CubeLayout layout) {
 
 const CubeFaces& faces_of(CubeLayout layout) {
     switch (layout) {
-        case CubeLayout::vertical_cross: return vertical_cross_faces;
-        case CubeLayout::horizontal_cross: return horizontal_cross_faces;
-        case CubeLayout::strip: return strip_faces;
-        case CubeLayout::column: return column_faces;
+        case CubeLayout::vertical_cross:
+            return vertical_cross_faces;
+        case CubeLayout::horizontal_cross:
+            return horizontal_cross_faces;
+        case CubeLayout::strip:
+            return strip_faces;
+        case CubeLayout::column:
+            return column_faces;
     }
     assert(false);
     return vertical_cross_faces;
 }
 
-bool is_disc(ProbeMapping mapping) { return mapping == ProbeMapping::angular || mapping == ProbeMapping::mirrorball; }
+bool is_disc(ProbeMapping mapping) {
+    return mapping == ProbeMapping::angular || mapping == ProbeMapping::mirrorball;
+}
 
-double dot(const Eigen::Vector3i& axis, const Vector3d& v) { return axis.x() * v.x() + axis.y() * v.y() + axis.z() * v.z(); }
+double dot(const Eigen::Vector3i& axis, const Vector3d& v) {
+    return axis.x() * v.x() + axis.y() * v.y() + axis.z() * v.z();
+}
 
 /// Pixel coordinate of a fraction 0..1 along an axis of `size` pixels, and back.
 double pixel_of(double fraction, int size, bool edge_centred) {
@@ -85,7 +97,9 @@ double pixel_of(double fraction, int size, bool edge_centred) {
 double fraction_of(double pixel, int size, bool edge_centred) {
     return edge_centred ? pixel / (size - 1) : (pixel + 0.5) / size;
 }
-double fraction_step(int size, bool edge_centred) { return 1.0 / (edge_centred ? size - 1 : size); }
+double fraction_step(int size, bool edge_centred) {
+    return 1.0 / (edge_centred ? size - 1 : size);
+}
 
 /// The face a direction leaves the cube through.
 const CubeFace& face_towards(const CubeFaces& faces, const Vector3d& direction) {
@@ -146,7 +160,9 @@ Vector2d kept_in_disc(const ProbeLayout& layout, const Vector2d& pixel) {
 }
 
 /// Solid angle of the part of a cube's face from its middle to (u, v).
-double corner_solid_angle(double u, double v) { return std::atan2(u * v, std::sqrt(1 + u * u + v * v)); }
+double corner_solid_angle(double u, double v) {
+    return std::atan2(u * v, std::sqrt(1 + u * u + v * v));
+}
 
 }  // namespace
 
@@ -158,9 +174,11 @@ int ProbeLayout::face_size() const {
 ProbeLayout layout_of_size(ProbeMapping mapping, int size, CubeLayout cube) {
     assert(size > 0);
     switch (mapping) {
-        case ProbeMapping::latlong: return {mapping, cube, 2 * size, size, false};
+        case ProbeMapping::latlong:
+            return {mapping, cube, 2 * size, size, false};
         case ProbeMapping::angular:
-        case ProbeMapping::mirrorball: return {mapping, cube, size, size, false};
+        case ProbeMapping::mirrorball:
+            return {mapping, cube, size, size, false};
         case ProbeMapping::cube:
             return {mapping, cube, size * grid_of(cube).columns, size * grid_of(cube).rows, false};
     }
@@ -293,7 +311,9 @@ std::array<PixelTap, 4> bilinear_taps(const ProbeLayout& layout, const Vector3d&
 std::vector<double> pixel_solid_angles(const ProbeLayout& layout) {
     const auto width = static_cast<std::size_t>(layout.width);
     std::vector<double> result(width * static_cast<std::size_t>(layout.height), 0.0);
-    const auto at = [&](int x, int y) -> double& { return result[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)]; };
+    const auto at = [&](int x, int y) -> double& {
+        return result[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
+    };
 
     if (layout.mapping == ProbeMapping::latlong) {
         for (int y = 0; y < layout.height; ++y) {

@@ -2,6 +2,7 @@
 #include "lighting/resample.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -16,10 +17,13 @@ namespace {
 double pixels_on_sphere(const ProbeLayout& layout) {
     const double all = static_cast<double>(layout.width) * layout.height;
     switch (layout.mapping) {
-        case ProbeMapping::latlong: return all * 2 / std::numbers::pi;  // the poles are crowded
+        case ProbeMapping::latlong:
+            return all * 2 / std::numbers::pi;  // the poles are crowded
         case ProbeMapping::angular:
-        case ProbeMapping::mirrorball: return all * std::numbers::pi / 4;
-        case ProbeMapping::cube: return 6.0 * layout.face_size() * layout.face_size();
+        case ProbeMapping::mirrorball:
+            return all * std::numbers::pi / 4;
+        case ProbeMapping::cube:
+            return 6.0 * layout.face_size() * layout.face_size();
     }
     assert(false);
     return all;
@@ -176,11 +180,14 @@ Probe probe_from_image(const ImageF& image, const ProbeLayout& from, int height)
 int latlong_height_for(const ProbeLayout& layout) {
     // Equal pixels a radian in the middle of the image, where the layout is finest for its solid angle.
     switch (layout.mapping) {
-        case ProbeMapping::latlong: return layout.height;
-        case ProbeMapping::angular: return std::max(1, (layout.width + 1) / 2);  // width / 2π pixels a radian
-        case ProbeMapping::mirrorball:                                           // width / 4
+        case ProbeMapping::latlong:
+            return layout.height;
+        case ProbeMapping::angular:
+            return std::max(1, (layout.width + 1) / 2);  // width / 2π pixels a radian
+        case ProbeMapping::mirrorball:                   // width / 4
             return std::max(1, static_cast<int>(std::lround(std::numbers::pi * layout.width / 4)));
-        case ProbeMapping::cube: return 2 * layout.face_size();  // the mean over the face, 4 faces around
+        case ProbeMapping::cube:
+            return 2 * layout.face_size();  // the mean over the face, 4 faces around
     }
     assert(false);
     return layout.height;
@@ -188,11 +195,14 @@ int latlong_height_for(const ProbeLayout& layout) {
 
 int size_for_latlong(ProbeMapping to, int latlong_height) {
     switch (to) {
-        case ProbeMapping::latlong: return latlong_height;
-        case ProbeMapping::angular: return 2 * latlong_height;
+        case ProbeMapping::latlong:
+            return latlong_height;
+        case ProbeMapping::angular:
+            return 2 * latlong_height;
         case ProbeMapping::mirrorball:
             return std::max(1, static_cast<int>(std::lround(latlong_height * 4 / std::numbers::pi)));
-        case ProbeMapping::cube: return std::max(1, (latlong_height + 1) / 2);
+        case ProbeMapping::cube:
+            return std::max(1, (latlong_height + 1) / 2);
     }
     assert(false);
     return latlong_height;

@@ -1,0 +1,36 @@
+// Probe files: recognising the mapping of an image, repairing what cannot be light, and writing any layout.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/image.h"
+#include "core/warnings.h"
+#include "lighting/mappings.h"
+#include "lighting/probe.h"
+#include "media/image_io.h"
+
+namespace matchlight {
+
+/// A probe's image as it lies in its file, repaired.
+struct ProbeImage {
+    ImageF image;  // RGB, no negative and no non-finite samples
+    ProbeLayout layout;
+    std::string recognised_by;  // "asked for", "envmap attribute", "mapping attribute", "shape", "shape and name"
+    std::int64_t negative_samples = 0;
+};
+
+/// Reads .hdr or .exr. The mapping is, in this order: the one given; OpenEXR's `envmap` attribute; the `mapping`
+/// attribute that write_probe_image leaves; the shape: 2:1 lat-long, 3:4, 4:3, 6:1 and 1:6 cube, 1:1 a disc with dark
+/// or constant corners. A disc is taken as angular, because angular maps and mirror balls look alike, unless the file's
+/// name holds "mirrorball" or "chromeball" (in any case, with or without separators). Throws InputError.
+ProbeImage read_probe_image(const std::filesystem::path& path, std::optional<ProbeMapping> mapping, Warnings& warnings);
+
+/// Writes .exr (half where the radiance fits, else float) or .hdr by the file's extension, whole or not at all. The
+/// mapping is recorded in EXR files beside `metadata`. Throws InputError.
+void write_probe_image(const std::filesystem::path& path, const ImageF& image, const ProbeLayout& layout,
+                       ImageMetadata metadata);
+
+}  // namespace matchlight
