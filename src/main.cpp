@@ -1,6 +1,7 @@
 // The command table.
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -27,15 +28,20 @@ int report_failure(const char* what) {
 
 void repeat_warnings(const CommandContext& context) {
     if (context.warnings.empty() || context.quiet) return;
-    std::fprintf(stderr, "%lld warnings:\n", static_cast<long long>(context.warnings.total()));
+    const auto total = static_cast<long long>(context.warnings.total());
+    std::fprintf(stderr, "%lld warning%s:\n", total, total == 1 ? "" : "s");
     for (const auto& entry : context.warnings.entries()) {
         std::fprintf(stderr, "  %lld× %s\n", static_cast<long long>(entry.count), entry.text.c_str());
     }
 }
 
-}  // namespace
+/// A result that did not reach its reader (a full disk behind a redirection) is a failed job.
+int flush_results() {
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return 0;
+    return report_failure("standard output cannot be written");
+}
 
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     matchlight::install_stop_handlers();
     CLI::App app{"Composites 3D models onto recorded video so that they look as if the camera had filmed them."};
     app.set_version_flag("--version", std::string("matchlight ") + matchlight::version);
@@ -54,9 +60,21 @@ int main(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;  // help and version end with 0, a wrong call with 2
+    } catch (const std::bad_alloc&) {
+        status = report_failure("there is not enough memory");
     } catch (const std::exception& error) {
         status = report_failure(error.what());
     }
     repeat_warnings(context);
-    return status;
+    return status == 0 ? flush_results() : status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& error) {
+        return report_failure(error.what());
+    }
 }

@@ -253,7 +253,7 @@ testing::AssertionResult refused_call(const RunResult& result) {
 testing::AssertionResult warned_of(const RunResult& result, const std::vector<std::string>& words) {
     bool in_summary = false;
     for (const std::string& line : lines_of(result.standard_error)) {
-        if (line.ends_with(" warnings:")) in_summary = true;
+        if (line.ends_with(" warning:") || line.ends_with(" warnings:")) in_summary = true;
         if ((in_summary || line.starts_with("warning:")) && contains_all(line, words))
             return testing::AssertionSuccess();
     }

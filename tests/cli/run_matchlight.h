@@ -73,7 +73,7 @@ testing::AssertionResult failed_naming(const RunResult& result, const std::vecto
 /// A wrong call: exit status 2 and something said about it on standard error.
 testing::AssertionResult refused_call(const RunResult& result);
 /// The warning was given while it happened or at the end: a line of standard error contains "warning" and each word,
-/// or stands below "N warnings:" and contains each word.
+/// or stands below "N warnings:" at the end and contains each word.
 testing::AssertionResult warned_of(const RunResult& result, const std::vector<std::string>& words);
 /// Neither `output` nor a temporary of it ("name.part.ext") exists; for a pattern such as out_%04d.png: no file of
 /// that form at all.
