@@ -9,7 +9,8 @@ packages=(
     # building
     cmake g++ ninja-build pkg-config dpkg-dev file
     # core, commands and tests
-    libcli11-dev libeigen3-dev libfmt-dev libgmock-dev libgtest-dev libspdlog-dev libtomlplusplus-dev nlohmann-json3-dev
+    libcli11-dev libeigen3-dev libfmt-dev libgmock-dev libgtest-dev libspdlog-dev libtomlplusplus-dev locales
+    nlohmann-json3-dev
     # footage and images
     libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libopencv-dev libopenexr-dev libopenimageio-dev
     # tracking
@@ -19,6 +20,11 @@ packages=(
 )
 if [ "${1:-}" = "--development" ]; then
     packages+=(ccache clang-format clang-tidy)
+fi
+
+if ! command -v apt-get > /dev/null; then
+    echo "This is not Debian: install what answers to these packages by hand: ${packages[*]}" >&2
+    exit 1
 fi
 
 missing=()
@@ -35,6 +41,10 @@ fi
 echo "Installing Debian packages: ${missing[*]}"
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo > /dev/null; then
+        echo "There is no sudo here: run samples/install_packages.sh as root first" >&2
+        exit 1
+    fi
     as_root=(sudo)
 fi
 "${as_root[@]}" apt-get update
