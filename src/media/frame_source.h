@@ -1,6 +1,7 @@
 // Footage: a video file through FFmpeg's libraries or a numbered image sequence, as one stream of plate frames.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -19,16 +20,27 @@ struct FootageOptions {
     bool strict = false;  // truncation and damage are errors, not warnings
 };
 
+struct Rational {
+    int numerator = 0;
+    int denominator = 1;
+};
+
 struct FootageInfo {
     std::filesystem::path path;
     PlateFormat format;
-    std::int64_t declared_frames = 0;  // 0 where the file does not say
+    std::int64_t frame_count = 0;      // frames the file really holds, by its packets; nothing is decoded to know it
+    std::int64_t declared_frames = 0;  // what its header says; 0 where it says nothing
     double fps = 0;                    // average
     bool variable_frame_rate = false;
     bool has_audio = false;
     bool is_sequence = false;
     std::int64_t first_number = 0;  // image sequences
     std::string codec;
+    // What an output has to carry over.
+    Rational time_base{1, 25};  // of the frames' pts
+    Rational frame_rate{25, 1};
+    Rational sample_aspect{1, 1};  // width of a pixel over its height, of the stored picture
+    std::optional<std::array<std::int32_t, 9>> display_matrix;
 };
 
 /// Reads frames in presentation order.
@@ -36,13 +48,14 @@ class FrameSource {
 public:
     virtual ~FrameSource() = default;
     virtual const FootageInfo& info() const = 0;
-    /// The next frame; nullopt at the end. Damage is counted as warnings, or thrown as InputError when strict.
+    /// The next frame; nullopt at the end. Its index counts frames in presentation order, so that a frame that could
+    /// not be decoded leaves a gap. Damage is counted as warnings, or thrown as InputError when strict.
     virtual std::optional<PlateFrame> next() = 0;
     /// Makes `frame` (counted from 0) the next one; decodes from the nearest key frame before it.
     virtual void seek(std::int64_t frame) = 0;
 
     /// Opens a file, or a printf pattern such as "frames/%04d.jpg". Files only: no URLs, playlists, FIFOs or devices.
-    /// Throws InputError.
+    /// `warnings` must outlive the source. Throws InputError.
     static std::unique_ptr<FrameSource> open(const std::filesystem::path& path, const FootageOptions& options,
                                              Warnings& warnings);
 };

@@ -30,9 +30,10 @@ std::uint32_t big_endian(std::string_view bytes) {
 }
 
 /// libpng prints on standard error what it finds broken, so the chunks are checked first: each whole, with its CRC
-/// (ISO/IEC 15948, 5.3), down to IEND.
+/// (ISO/IEC 15948, 5.3), a header within the limits first, some pixels, down to IEND.
 void require_png_chunks(const fs::path& path, std::string_view bytes) {
     std::string_view rest = bytes.substr(8);
+    bool has_pixels = false;
     while (rest.size() >= 12) {
         const std::size_t length = big_endian(rest);
         if (length > rest.size() - 12) break;
@@ -41,7 +42,12 @@ void require_png_chunks(const fs::path& path, std::string_view bytes) {
             ~av_crc(av_crc_get_table(AV_CRC_32_IEEE_LE), ~0u,
                     reinterpret_cast<const std::uint8_t*>(type_and_data.data()), type_and_data.size());
         if (crc != big_endian(rest.substr(8 + length))) throw InputError(path, "is damaged", "copy it again");
-        if (type_and_data.starts_with("IEND"sv)) return;
+        if (rest.size() + 8 == bytes.size()) {
+            if (!type_and_data.starts_with("IHDR"sv) || length != 13) break;
+            check_image_size(path, big_endian(type_and_data.substr(4)), big_endian(type_and_data.substr(8)));
+        }
+        has_pixels = has_pixels || type_and_data.starts_with("IDAT"sv);
+        if (type_and_data.starts_with("IEND"sv) && has_pixels) return;
         rest.remove_prefix(12 + length);
     }
     throw InputError(path, "ends early", "copy it again");

@@ -17,14 +17,19 @@ namespace matchlight {
 
 enum class ColorMatrix { rgb, bt601, bt709, bt2020 };
 enum class ColorRange { limited, full };
-/// A file's transfer tag counts only when it says PQ or HLG (INTERFACE); `camera` means: use the scene's response.
+/// A file's transfer tag counts only when it says PQ or HLG; `camera` means: use the scene's response.
 enum class Transfer { camera, pq, hlg };
+/// Where a chroma sample lies in its block of luma samples (ITU-T H.273, 8.7), in the stored orientation.
+enum class ChromaSiting { left, center, top_left, top, bottom_left, bottom };
 
 struct PlateFormat {
     int width = 0, height = 0;  // displayed, after rotation
     ColorMatrix matrix = ColorMatrix::bt709;
     ColorRange range = ColorRange::limited;
     Transfer transfer = Transfer::camera;
+    bool matrix_guessed = false;  // the file does not say; taken from the picture's size, as players do
+    bool range_guessed = false;
+    ChromaSiting siting = ChromaSiting::left;
     int rotation_deg = 0;  // 0, 90, 180, 270: clockwise turn from stored to displayed
     int bit_depth = 8;
     int chroma_block_width = 1;  // displayed pixels that share a chroma sample, horizontally
@@ -46,17 +51,18 @@ public:
     /// a pixel. Chroma is interpolated (bilinear, honouring its siting).
     ImageF rgb_code(const Region& region) const;
 
-    /// The decoded plate as 8- or 16-bit R'G'B' (rounded, clipped): what PNG output shows where nothing was touched.
+    /// The decoded plate as 8- or 16-bit R'G'B': what PNG output shows where nothing was touched. Everywhere equal to
+    /// rgb_code clipped to 0..1, times 255 or 65535 in float, rounded half to even.
     Image8 rgb8(const Region& region) const;
     Image16 rgb16(const Region& region) const;
 
     /// Luma-like single channel for detection: G' or Y', code values 0..1.
     ImageF gray_code(const Region& region) const;
 
-    /// Puts new code values into the samples of `region` where `touched` (1 channel, non-zero = touched) says so; the
-    /// unit is the chroma sample's block: chroma is recomputed for every block with a touched pixel (from touched
-    /// pixels' new and untouched pixels' old values), luma only for touched pixels. Copies the samples first if they
-    /// are shared.
+    /// Puts new code values into the samples of `region` where `touched` (1 channel, non-zero = touched) says so. Luma
+    /// changes only at touched pixels, chroma only in blocks that hold one: there it is filtered at its site from
+    /// touched pixels' new and untouched pixels' old values. Values that are written back as they were read leave every
+    /// sample as it was. Alpha stays. The samples are copied first: other holders of them see no change.
     void write_rgb_code(const Region& region, const ImageF& rgb_code, const Image8& touched);
 
 private:
