@@ -12,7 +12,7 @@ uniform ivec2 region_origin;         // plate pixel of the region's first pixel
 
 uniform sampler2D layer;             // virtual layer: premultiplied radiance in probe units, alpha = coverage
 uniform vec4 layer_intrinsics;       // fx, fy, cx, cy of the layer's pinhole, in its pixels (centres at whole numbers)
-uniform float layer_footprint;       // layer pixels that one plate pixel spans, along each side
+uniform ivec2 layer_size;            // the part of the texture that was drawn
 uniform int layer_present;
 
 uniform float surface_z_m;
@@ -29,16 +29,24 @@ layout(location = 0) out vec4 composited_code;   // a = 1 where the pixel was to
 layout(location = 1) out vec4 composited_linear;  // a = the virtual layer's alpha
 layout(location = 2) out vec4 shadow_layer;       // rgb = ratio
 layout(location = 3) out vec4 virtual_layer;      // premultiplied plate-linear light, alpha
+layout(location = 4) out vec4 geometry;           // world normal, depth in metres; 0 where nothing is
+layout(location = 5) out vec4 object;             // r = object id, 0 where nothing is
+
+uniform sampler2D layer_normal;      // one sample a layer pixel
+uniform sampler2D layer_depth_m;
+uniform usampler2D layer_object_id;
 #endif
 
-// The layer's light over one plate pixel: the exact mean over its footprint.
-vec4 layer_over_pixel(vec2 normalized) {
-    vec2 centre = normalized * layer_intrinsics.xy + layer_intrinsics.zw + 0.5;  // in texel corners
-    vec2 low = centre - 0.5 * layer_footprint;
-    vec2 high = centre + 0.5 * layer_footprint;
-    ivec2 size = textureSize(layer, 0);
+// A direction's place in the layer, counted from the corner of its first pixel.
+vec2 layer_position(vec2 normalized) { return normalized * layer_intrinsics.xy + layer_intrinsics.zw + 0.5; }
+
+// The layer's light over one plate pixel: the exact mean over its footprint, an upright box in the layer.
+vec4 layer_over_pixel(vec2 normalized, vec2 footprint) {
+    vec2 centre = layer_position(normalized);
+    vec2 low = centre - 0.5 * footprint;
+    vec2 high = centre + 0.5 * footprint;
     ivec2 first = max(ivec2(floor(low)), ivec2(0));
-    ivec2 last = min(ivec2(ceil(high)) - 1, size - 1);
+    ivec2 last = min(ivec2(ceil(high)), layer_size) - 1;
     vec4 sum = vec4(0.0);
     for (int y = first.y; y <= last.y; ++y) {
         float height = min(high.y, float(y + 1)) - max(low.y, float(y));
@@ -47,7 +55,7 @@ vec4 layer_over_pixel(vec2 normalized) {
             sum += width * height * texelFetch(layer, ivec2(x, y), 0);
         }
     }
-    return sum / (layer_footprint * layer_footprint);
+    return sum / (footprint.x * footprint.y);
 }
 
 vec3 shadow_over_pixel(vec2 normalized) {
@@ -66,10 +74,14 @@ void main() {
 
     vec4 virtual_light = vec4(0.0);
     vec3 ratio = vec3(1.0);
-    if (!any(isnan(normalized))) {
-        if (layer_present != 0) virtual_light = layer_over_pixel(normalized);
-        if (shadow_present != 0) ratio = shadow_over_pixel(normalized);
+    bool reached = !any(isnan(normalized));  // by the lens model
+    if (reached && layer_present != 0) {
+        // The lens bends: one plate pixel spans more of the layer in one place than in another.
+        vec2 next = normalized_from_pixel(pixel + 1.0);
+        vec2 footprint = abs(next - normalized) * layer_intrinsics.xy;
+        virtual_light = layer_over_pixel(normalized, any(isnan(footprint)) ? vec2(1.0) : clamp(footprint, 1.0, 16.0));
     }
+    if (reached && shadow_present != 0) ratio = shadow_over_pixel(normalized);
 
     vec2 from_centre = (pixel - vignette_frame.xy) * vignette_frame.z;
     float r2 = dot(from_centre, from_centre);
@@ -84,5 +96,12 @@ void main() {
     composited_linear = vec4(touched ? linear : plate_linear, virtual_light.a);
     shadow_layer = vec4(ratio, 1.0);
     virtual_layer = vec4(virtual_light.rgb * gain * falloff, virtual_light.a);
+    geometry = vec4(0.0);
+    object = vec4(0.0);
+    ivec2 nearest = ivec2(floor(layer_position(normalized)));
+    if (reached && layer_present != 0 && all(greaterThanEqual(nearest, ivec2(0))) && all(lessThan(nearest, layer_size))) {
+        geometry = vec4(texelFetch(layer_normal, nearest, 0).xyz, texelFetch(layer_depth_m, nearest, 0).r);
+        object.r = float(texelFetch(layer_object_id, nearest, 0).r);
+    }
 #endif
 }

@@ -56,7 +56,7 @@ void main() {
 
     vec3 radiance;
     if (reflects_sphere_map) {
-        vec3 environment = texture(environment_sphere_map, sphere_map_uv(reflected)).rgb;
+        vec3 environment = texture(environment_sphere_map, sphere_map_uv(direction_in_probe(world_position, reflected))).rgb;
         radiance = classic_diffuse * diffuse_light +
                    classic_specular * environment * specular_visibility(world_position, n, reflected, 0.0);
     } else {
@@ -78,7 +78,7 @@ void main() {
 
         // The lobe of a rough surface leans towards the normal.
         vec3 dominant = normalize(mix(reflected, n, pow(roughness, 4.0)));
-        vec3 glossy = reflected_radiance(dominant, widened_roughness(roughness, reflected)) *
+        vec3 glossy = reflected_radiance(direction_in_probe(world_position, dominant), widened_roughness(roughness, reflected)) *
                       specular_visibility(world_position, n, dominant, roughness) *
                       specular_occlusion(n_dot_v, occlusion, roughness);
         radiance = single * glossy + (multiple + transmitted) * diffuse_light * occlusion;

@@ -27,11 +27,20 @@ struct FrameLayers {
     ImageF virtual_rgba;  // the virtual layer alone: premultiplied plate-linear light and alpha
 };
 
+/// The plate as it came, and what is new in it.
 struct CompositedFrame {
-    PlateFrame plate;  // samples outside the touched pixels' chroma blocks are those that came in
-    Region reach;      // where virtual things can be seen or cast shadow; empty when nowhere
-    Image8 touched;    // 1 channel over `reach`: 255 where the pixel changed hands
+    PlateFrame plate;
+    Region reach;    // where virtual things can be seen or cast shadow; empty when nowhere
+    ImageF code;     // RGB code values over `reach`, the plate's own where nothing was touched
+    Image8 touched;  // 1 channel over `reach`: 255 where the pixel changed hands
     std::optional<FrameLayers> layers;
+
+    /// The plate with the touched pixels written into its samples: for encoders. Where chroma is subsampled a touched
+    /// pixel changes its whole block's chroma.
+    PlateFrame composited_plate() const;
+    /// Rounded R'G'B' of the whole frame: the decoded plate, with the touched pixels and no others replaced.
+    Image8 rgb8() const;
+    Image16 rgb16() const;
 };
 
 struct CompositorOptions {
@@ -52,6 +61,10 @@ public:
     /// A pure function of frame, solve and scene: frames may come in any order. A frame without a pose is returned as
     /// it came.
     CompositedFrame composite(PlateFrame plate);
+
+    /// The virtual layer alone over the whole frame, for output with alpha: code values of its light, premultiplied by
+    /// alpha, 4 floats a pixel. Needs the frame's layers.
+    ImageF virtual_layer_code(const CompositedFrame& frame) const;
 
     /// The plate's linear light over the whole frame (for EXR output), through the response in force.
     ImageF plate_linear(const PlateFrame& plate) const;

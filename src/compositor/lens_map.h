@@ -8,9 +8,9 @@
 
 namespace matchlight {
 
-/// Normalised camera coordinates (x/z, y/z) at every `spacing`-th pixel, starting at (−spacing, −spacing). Between nodes
-/// a bilinear look-up is off by at most spacing²/8 times the second derivative of the inverse lens: 0.005 px in the
-/// corners of a 1,920-pixel frame with k1 = −0.28, a tenth of the registration error that is aimed at.
+/// Normalised camera coordinates (x/z, y/z) at every `spacing`-th pixel, starting at (−spacing, −spacing). Between
+/// nodes a bilinear look-up is off by at most spacing²/8 times the second derivative of the inverse lens: 0.005 px in
+/// the corners of a 1,920-pixel frame with k1 = −0.28, a tenth of the registration error that is aimed at.
 struct LensMap {
     static constexpr int spacing = 4;
     ImageF nodes;                           // 2 channels; NaN where the lens model does not reach

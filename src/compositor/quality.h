@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/effects/contact_shadow.h"
+#include "render/effects/object_shadow.h"
 #include "scene/scene_file.h"
 
 namespace matchlight {
@@ -11,22 +12,25 @@ struct Quality {
     int samples = 4;
     int mirror_face_px = 512;  // the reflection cube's sharpest level
     ContactShadowSettings shadow;
-    int visibility_directions = 64;  // over the whole sphere, each with a depth map; 0 = models do not shade themselves
-    int visibility_resolution = 256;  // texels along each side of such a depth map
+    ObjectShadowSettings object_shadow;
 };
 
 inline Quality quality_of(QualityLevel level) {
     switch (level) {
         case QualityLevel::draft:
-            return {1, 4, 128, {.directions = 16, .resolution = 256}, 0, 0};
+            return {1, 4, 128, {.directions = 16, .resolution = 256}, {.directions = 0}};
         case QualityLevel::preview:
-            return {1, 4, 256, {.directions = 32, .resolution = 512}, 32, 128};
+            return {1, 4, 256, {.directions = 32, .resolution = 512}, {.directions = 32, .resolution = 128}};
         case QualityLevel::reference:
-            return {4, 4, 1024, {.directions = 1024, .resolution = 2048, .lost_share = 0.0005}, 256, 512};
+            return {4,
+                    4,
+                    1024,
+                    {.directions = 1024, .resolution = 2048, .lost_share = 0.0005},
+                    {.directions = 256, .resolution = 512}};
         case QualityLevel::final_:
             break;
     }
-    return {2, 4, 512, {.directions = 128, .resolution = 1024}, 64, 256};
+    return {2, 4, 512, {.directions = 128, .resolution = 1024}, {}};
 }
 
 }  // namespace matchlight

@@ -2,6 +2,7 @@
 #include "render/composite_pass.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace matchlight {
@@ -11,23 +12,23 @@ CompositePass::CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, i
       lens_nodes_({.format = GL_RG32F, .width = lens_nodes.width(), .height = lens_nodes.height()}),
       response_({.format = GL_R32F, .width = response.width(), .height = response.height()}),
       lens_spacing_(lens_spacing),
-      empty_({.format = GL_RGBA32F, .width = 2, .height = 2}) {
+      empty_({.format = GL_RGBA32F, .width = 2, .height = 2}),
+      empty_id_({.format = GL_R32UI, .width = 2, .height = 2}) {
     lens_nodes_.upload(lens_nodes);
     response_.upload(response);
 }
 
 void CompositePass::hold(const Region& region, bool layers) {
+    const std::array<Texture2D*, 5> layer_targets{&linear_, &shadow_, &virtual_, &geometry_, &object_};
     if (region.width > width_ || region.height > height_) {
         width_ = std::max(width_, region.width);
         height_ = std::max(height_, region.height);
         plate_ = Texture2D({.format = GL_RGB32F, .width = width_, .height = height_});
         code_ = Texture2D({.format = GL_RGBA32F, .width = width_, .height = height_});
-        linear_ = Texture2D();
-        shadow_ = Texture2D();
-        virtual_ = Texture2D();
+        for (Texture2D* target : layer_targets) *target = Texture2D();
     }
     if (!layers || linear_) return;
-    for (Texture2D* target : {&linear_, &shadow_, &virtual_}) {
+    for (Texture2D* target : layer_targets) {
         *target = Texture2D({.format = GL_RGBA32F, .width = width_, .height = height_});
     }
 }
@@ -37,7 +38,8 @@ CompositeOutput CompositePass::draw(const CompositeInput& input) {
     const Region origin{0, 0, region.width, region.height};
     hold(region, input.layers);
     plate_.upload(origin, input.plate_code->samples());
-    const Framebuffer target = input.layers ? Framebuffer({code_, linear_, shadow_, virtual_}) : Framebuffer({code_});
+    const Framebuffer target =
+        input.layers ? Framebuffer({code_, linear_, shadow_, virtual_, geometry_, object_}) : Framebuffer({code_});
     target.bind(origin);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
@@ -52,11 +54,20 @@ CompositeOutput CompositePass::draw(const CompositeInput& input) {
     program.bind_texture("response_linear", 2, response_);
 
     const VirtualLayer& layer = input.layer;
-    program.set("layer_present", layer.rgba != nullptr);
-    program.bind_texture("layer", 3, layer.rgba != nullptr ? *layer.rgba : empty_);
+    const SurfacePicture& picture = layer.picture;
+    program.set("layer_present", picture.color != nullptr);
+    program.set("layer_size", Eigen::Vector2i(picture.width, picture.height));
     program.set("layer_intrinsics",
                 Eigen::Vector4f(Eigen::Vector4d(layer.fx, layer.fy, layer.cx, layer.cy).cast<float>()));
-    program.set("layer_footprint", layer.footprint);
+    const auto bind_or = [&](const char* sampler, GLuint unit, const Texture2D* texture, const Texture2D& otherwise) {
+        program.bind_texture(sampler, unit, texture != nullptr ? *texture : otherwise);
+    };
+    bind_or("layer", 3, picture.color, empty_);
+    if (input.layers) {
+        bind_or("layer_normal", 6, picture.normal, empty_);
+        bind_or("layer_depth_m", 7, picture.depth_m, empty_);
+        bind_or("layer_object_id", 8, picture.object_id, empty_id_);
+    }
 
     program.set("shadow_present", input.shadow != nullptr);
     if (input.shadow != nullptr) {
@@ -85,6 +96,8 @@ CompositeOutput CompositePass::draw(const CompositeInput& input) {
         output.linear = target.read<float>(origin, 4, 1);
         output.shadow = target.read<float>(origin, 3, 2);
         output.virtual_rgba = target.read<float>(origin, 4, 3);
+        output.geometry = target.read<float>(origin, 4, 4);
+        output.object_id = target.read<float>(origin, 1, 5);
     }
     return output;
 }

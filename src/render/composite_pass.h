@@ -11,14 +11,14 @@
 #include "gl/objects.h"
 #include "gl/shader_library.h"
 #include "render/effects/contact_shadow.h"
+#include "render/surface.h"
 
 namespace matchlight {
 
 /// The virtual layer as drawn: a pinhole picture without distortion, finer than the plate.
 struct VirtualLayer {
-    const Texture2D* rgba = nullptr;        // premultiplied radiance in probe units; null where nothing is in view
+    SurfacePicture picture;                 // colour null where nothing is in view
     double fx = 0, fy = 0, cx = 0, cy = 0;  // of its own pixels, centres at whole numbers
-    double footprint = 1;                   // its pixels that one plate pixel spans, along each side
 };
 
 /// How the camera saw in this frame.
@@ -44,6 +44,8 @@ struct CompositeOutput {
     ImageF linear;        // plate-linear RGB and the virtual layer's alpha; empty unless asked for
     ImageF shadow;        // RGB ratio; empty unless asked for
     ImageF virtual_rgba;  // premultiplied plate-linear light and alpha; empty unless asked for
+    ImageF geometry;      // world normal and depth in metres; empty unless asked for
+    ImageF object_id;     // 0 = nothing; empty unless asked for
 };
 
 /// Holds what no frame changes: the lens as a grid and the response as a table.
@@ -65,8 +67,8 @@ private:
     FullScreenTriangle triangle_;
     // Kept between frames; made anew when a frame needs larger ones.
     int width_ = 0, height_ = 0;
-    Texture2D plate_, code_, linear_, shadow_, virtual_;
-    Texture2D empty_;  // stands in for inputs that a frame does not have
+    Texture2D plate_, code_, linear_, shadow_, virtual_, geometry_, object_;
+    Texture2D empty_, empty_id_;  // stand in for inputs that a frame does not have
 };
 
 }  // namespace matchlight

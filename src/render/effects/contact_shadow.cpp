@@ -86,7 +86,8 @@ ShadowMap draw_map(ShaderLibrary& shaders, const ShadowCasters& casters, double 
     glDisable(GL_CULL_FACE);
     glEnable(GL_SCISSOR_TEST);
     for (std::size_t first = 0; first < lights.size(); first += 4) {
-        const std::span<const ShadowLight> batch = lights.subspan(first, std::min<std::size_t>(4, lights.size() - first));
+        const std::span<const ShadowLight> batch =
+            lights.subspan(first, std::min<std::size_t>(4, lights.size() - first));
         Eigen::AlignedBox2d footprint_m;
         for (const ShadowLight& light : batch) {
             footprint_m.extend(flattened(casters.bounds_m, surface_z_m, light.direction));

@@ -1,0 +1,4 @@
+#version 450 core
+// Only depth is kept.
+
+void main() {}

@@ -1,0 +1,50 @@
+// How much of the probe's light reaches a point of a virtual object past the objects themselves.
+//
+// The whole sphere of light is split into directions (Debevec 2005, "A Median Cut Algorithm for Light Probe Sampling"),
+// each with an orthographic depth map around the casters (Williams 1978, "Casting Curved Shadows on Curved Surfaces");
+// what a point's hemisphere loses is weighed by each direction's light and cosine, so that one mechanism gives shadows
+// between objects, on themselves, and ambient occlusion. Light that comes up from the surface is dimmed by the
+// contact shadow where it left.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "gl/objects.h"
+#include "gl/program.h"
+#include "gl/shader_library.h"
+#include "lighting/probe.h"
+#include "render/effects/contact_shadow.h"
+
+namespace matchlight {
+
+struct ObjectShadowSettings {
+    int directions = 64;   // strata over the whole sphere, 1..1024; 0 = objects cast nothing on objects
+    int resolution = 256;  // texels along each side of a direction's map, 16..2048
+
+    /// Throws std::invalid_argument naming the value that is out of range.
+    void check() const;
+};
+
+/// Static casters under static light need no other maps.
+class ObjectShadow {
+public:
+    ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters, const std::vector<DirectionalSample>& samples,
+                 const ObjectShadowSettings& settings);
+
+    /// Sets the uniforms of effects/object_shadow/object_shadow.glsl; takes two texture units from `first_unit` on.
+    void bind(Program& program, GLuint first_unit) const;
+
+    int directions() const { return directions_; }
+
+private:
+    Texture2D depth_;   // an array, one layer a direction: height towards the light, 0..1 over the bounding sphere
+    Texture2D lights_;  // one column a direction: towards the light, its light, the map's two axes
+    Eigen::Vector3d centre_m_ = Eigen::Vector3d::Zero();
+    double radius_m_ = 0;
+    int directions_ = 0;
+    int resolution_ = 0;
+};
+
+}  // namespace matchlight
