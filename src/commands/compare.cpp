@@ -300,7 +300,14 @@ void add_compare_command(CLI::App& app, CommandContext& context) {
     command
         ->add_option("--ppd", options->flip.pixels_per_degree,
                      "Pixels per degree of the viewer (default 67.02: 3840 pixels on 0.7 m seen from 0.7 m)")
-        ->check(CLI::Range(FlipOptions::smallest_pixels_per_degree, FlipOptions::largest_pixels_per_degree));
+        ->check([](const std::string& text) -> std::string {
+            // CLI::Range lets NaN pass.
+            double value = 0;
+            const bool in_range = CLI::detail::lexical_cast(text, value) &&
+                                  value >= FlipOptions::smallest_pixels_per_degree &&
+                                  value <= FlipOptions::largest_pixels_per_degree;
+            return in_range ? std::string() : "'" + text + "' is not between 1 and 1000";
+        });
     command->add_flag("--strict", options->strict, "Frames without a partner and damaged videos are errors");
     command->add_flag("--overwrite", options->overwrite, "Replace FLIP maps that exist");
     command->footer(
