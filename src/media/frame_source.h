@@ -25,6 +25,13 @@ struct Rational {
     int denominator = 1;
 };
 
+/// Colour tags by their numbers in ITU-T H.273; 2 = unspecified. An output is tagged as the footage was.
+struct ColorTags {
+    int primaries = 2;
+    int transfer = 2;
+    int matrix = 2;
+};
+
 struct FootageInfo {
     std::filesystem::path path;
     PlateFormat format;
@@ -37,6 +44,7 @@ struct FootageInfo {
     std::int64_t first_number = 0;  // image sequences
     std::string codec;
     // What an output has to carry over.
+    ColorTags tags;
     Rational time_base{1, 25};  // of the frames' pts
     Rational frame_rate{25, 1};
     Rational sample_aspect{1, 1};  // width of a pixel over its height, of the stored picture

@@ -46,6 +46,7 @@ public:
     std::int64_t index() const { return index_; }  // counted from 0 in presentation order
     double time_s() const { return time_s_; }      // presentation time from the start of the clip
     const AVFrame* samples() const { return samples_.get(); }
+    std::shared_ptr<AVFrame> shared_samples() const { return samples_; }
 
     /// R'G'B' code values (0..1 of full scale; may lie slightly outside for out-of-gamut Y'CbCr) of a region, 3 floats
     /// a pixel. Chroma is interpolated (bilinear, honouring its siting).

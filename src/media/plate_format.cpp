@@ -132,44 +132,37 @@ PlateFormat plate_format_of(const AVFrame& frame, int rotation_deg, const Footag
     return format;
 }
 
-void tag_frame(const PlateFormat& format, AVFrame& frame) {
-    switch (format.matrix) {
+int matrix_tag(ColorMatrix matrix) {
+    switch (matrix) {
         case ColorMatrix::rgb:
-            frame.colorspace = AVCOL_SPC_RGB;
-            break;
+            return AVCOL_SPC_RGB;
         case ColorMatrix::bt601:
-            frame.colorspace = AVCOL_SPC_SMPTE170M;
-            break;
+            return AVCOL_SPC_SMPTE170M;
         case ColorMatrix::bt709:
-            frame.colorspace = AVCOL_SPC_BT709;
-            break;
+            return AVCOL_SPC_BT709;
         case ColorMatrix::bt2020:
-            frame.colorspace = AVCOL_SPC_BT2020_NCL;
-            break;
+            return AVCOL_SPC_BT2020_NCL;
     }
-    frame.color_range = format.range == ColorRange::full ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
-    frame.chroma_location = AVCHROMA_LOC_UNSPECIFIED;
-    if (format.chroma_block_width == 1 && format.chroma_block_height == 1) return;
+    return AVCOL_SPC_UNSPECIFIED;
+}
+
+AVChromaLocation siting_tag(const PlateFormat& format) {
+    if (format.chroma_block_width == 1 && format.chroma_block_height == 1) return AVCHROMA_LOC_UNSPECIFIED;
     switch (format.siting) {
         case ChromaSiting::left:
-            frame.chroma_location = AVCHROMA_LOC_LEFT;
-            break;
+            return AVCHROMA_LOC_LEFT;
         case ChromaSiting::center:
-            frame.chroma_location = AVCHROMA_LOC_CENTER;
-            break;
+            return AVCHROMA_LOC_CENTER;
         case ChromaSiting::top_left:
-            frame.chroma_location = AVCHROMA_LOC_TOPLEFT;
-            break;
+            return AVCHROMA_LOC_TOPLEFT;
         case ChromaSiting::top:
-            frame.chroma_location = AVCHROMA_LOC_TOP;
-            break;
+            return AVCHROMA_LOC_TOP;
         case ChromaSiting::bottom_left:
-            frame.chroma_location = AVCHROMA_LOC_BOTTOMLEFT;
-            break;
+            return AVCHROMA_LOC_BOTTOMLEFT;
         case ChromaSiting::bottom:
-            frame.chroma_location = AVCHROMA_LOC_BOTTOM;
-            break;
+            return AVCHROMA_LOC_BOTTOM;
     }
+    return AVCHROMA_LOC_UNSPECIFIED;
 }
 
 }  // namespace matchlight

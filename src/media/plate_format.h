@@ -17,7 +17,9 @@ namespace matchlight {
 PlateFormat plate_format_of(const AVFrame& frame, int rotation_deg, const FootageOptions& options,
                             const std::filesystem::path& path);
 
-/// Writes matrix, range and siting of `format` into a frame's tags.
-void tag_frame(const PlateFormat& format, AVFrame& frame);
+/// H.273's number of a matrix.
+int matrix_tag(ColorMatrix matrix);
+/// FFmpeg's tag of the siting; unspecified where chroma is not subsampled.
+AVChromaLocation siting_tag(const PlateFormat& format);
 
 }  // namespace matchlight

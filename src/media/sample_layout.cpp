@@ -99,11 +99,11 @@ int SampleLayout::height_of(int index, const AVFrame& frame) const {
     return is_chroma(index) ? -((-frame.height) >> log2_chroma_height) : frame.height;
 }
 
-bool SampleLayout::same_samples(const SampleLayout& other) const {
-    if (rgb != other.rgb || colours != other.colours || has_alpha != other.has_alpha ||
-        log2_chroma_width != other.log2_chroma_width || log2_chroma_height != other.log2_chroma_height)
+bool SampleLayout::same_colours(const SampleLayout& other) const {
+    if (rgb != other.rgb || colours != other.colours || log2_chroma_width != other.log2_chroma_width ||
+        log2_chroma_height != other.log2_chroma_height)
         return false;
-    for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(colours); ++i) {
         if (component[i].depth != other.component[i].depth) return false;
     }
     return true;
@@ -141,10 +141,12 @@ void write_samples(const SampleLayout& layout, AVFrame& frame, const SampleRow& 
 void move_samples(const AVFrame& from, AVFrame& to) {
     const auto source = SampleLayout::of(static_cast<AVPixelFormat>(from.format));
     const auto target = SampleLayout::of(static_cast<AVPixelFormat>(to.format));
-    assert(source && target && source->same_samples(*target) && from.width == to.width && from.height == to.height);
+    assert(source && target && source->same_colours(*target) && from.width == to.width && from.height == to.height);
     std::vector<std::uint16_t> samples(static_cast<std::size_t>(from.width));
-    const int components = source->colours + (source->has_alpha ? 1 : 0);
-    for (int c = 0; c < components; ++c) {
+    const bool alpha = source->has_alpha && target->has_alpha &&
+                       source->component[static_cast<std::size_t>(source->colours)].depth ==
+                           target->component[static_cast<std::size_t>(target->colours)].depth;
+    for (int c = 0; c < source->colours + (alpha ? 1 : 0); ++c) {
         for (int y = 0; y < source->height_of(c, from); ++y) {
             const SampleRow row{c, 0, y, source->width_of(c, from)};
             read_samples(*source, from, row, samples.data());

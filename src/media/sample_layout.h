@@ -36,8 +36,8 @@ struct SampleLayout {
     /// Size of a component's plane in a frame; chroma rounds up.
     int width_of(int index, const AVFrame& frame) const;
     int height_of(int index, const AVFrame& frame) const;
-    /// Same colour family, subsampling, alpha and depth, so that samples can be moved one to one.
-    bool same_samples(const SampleLayout& other) const;
+    /// Same colour family, subsampling and depth, so that samples can be moved one to one; alpha aside.
+    bool same_colours(const SampleLayout& other) const;
 };
 
 /// `count` samples of a component from column `x` of row `y`.
@@ -52,7 +52,7 @@ void read_samples(const SampleLayout& layout, const AVFrame& frame, const Sample
 void write_samples(const SampleLayout& layout, AVFrame& frame, const SampleRow& row, const std::uint16_t* samples);
 void write_sample(const SampleLayout& layout, AVFrame& frame, int component, int x, int y, int sample);
 
-/// Copies every sample of `from` into `to`, which has the same size and `same_samples`.
+/// Copies every sample of `from` into `to`, which has the same size and `same_colours`; alpha where both have it.
 void move_samples(const AVFrame& from, AVFrame& to);
 
 }  // namespace matchlight

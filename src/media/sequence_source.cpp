@@ -88,6 +88,7 @@ SequenceSource::SequenceSource(const fs::path& pattern, const FootageOptions& op
     bit_depth_ = picture_bit_depth(first);
     info_.codec = first.extension().empty() ? "" : first.extension().string().substr(1);
     info_.format = plate_format_of(*read(0), 0, options_, pattern);
+    info_.tags = {AVCOL_PRI_BT709, AVCOL_TRC_IEC61966_2_1, AVCOL_SPC_RGB};
 }
 
 std::shared_ptr<AVFrame> SequenceSource::read(std::int64_t index) const {

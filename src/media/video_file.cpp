@@ -40,24 +40,6 @@ private:
     AVDictionary* dictionary_ = nullptr;
 };
 
-AvInput open_container(const fs::path& path, AvLog& log) {
-    require_regular_file(path);
-    AvLog::install();
-    AVFormatContext* context = avformat_alloc_context();
-    if (context == nullptr) throw std::bad_alloc();
-    context->opaque = &log;
-    Options options;
-    options.set("protocol_whitelist", "file");
-    options.set("format_whitelist", container_names);
-    // With its protocol written out, a name such as "concat:a|b" is only a name.
-    const int status = avformat_open_input(&context, ("file:" + path.string()).c_str(), nullptr, options.pointer());
-    if (status < 0) {  // the context is freed
-        throw InputError(path, "is no video this program can read (" + av_error_text(status) + ")" + log.take_cause(),
-                         "give an .mp4, .mov, .mkv, .webm, .avi or .ts file");
-    }
-    return AvInput(context);
-}
-
 /// The default, else the first, video stream that is no cover picture.
 int find_video_stream(const AVFormatContext& container) {
     int found = -1;
@@ -122,8 +104,26 @@ void find_declared(AVFormatContext& container, AVStream& stream, std::int64_t in
 
 }  // namespace
 
+AvInput open_video_container(const fs::path& path, AvLog& log) {
+    require_regular_file(path);
+    AvLog::install();
+    AVFormatContext* context = avformat_alloc_context();
+    if (context == nullptr) throw std::bad_alloc();
+    context->opaque = &log;
+    Options options;
+    options.set("protocol_whitelist", "file");
+    options.set("format_whitelist", container_names);
+    // With its protocol written out, a name such as "concat:a|b" is only a name.
+    const int status = avformat_open_input(&context, ("file:" + path.string()).c_str(), nullptr, options.pointer());
+    if (status < 0) {  // the context is freed
+        throw InputError(path, "is no video this program can read (" + av_error_text(status) + ")" + log.take_cause(),
+                         "give an .mp4, .mov, .mkv, .webm, .avi or .ts file");
+    }
+    return AvInput(context);
+}
+
 VideoFile::VideoFile(const fs::path& path)
-    : path_(path), log_(std::make_unique<AvLog>()), container_(open_container(path, *log_)) {
+    : path_(path), log_(std::make_unique<AvLog>()), container_(open_video_container(path, *log_)) {
     // Before libavformat decodes a frame to learn more.
     for (unsigned i = 0; i < container_->nb_streams; ++i) check_claimed_size(path, *container_->streams[i]);
     const int status = avformat_find_stream_info(container_.get(), nullptr);

@@ -27,6 +27,10 @@ struct PacketIndex {
     bool ran_backwards = false;
 };
 
+/// Opens a regular file of a known container, whose own names cannot make it open another. `log` must outlive it.
+/// Throws InputError.
+AvInput open_video_container(const std::filesystem::path& path, AvLog& log);
+
 /// Opens regular files of known containers only: no URLs, no playlists, nothing that names other files.
 class VideoFile {
 public:

@@ -142,6 +142,9 @@ void VideoSource::describe(const PlateFrame& first) {
     info_.declared_frames = index_.declared;
     info_.frame_count = index_.packets;
     info_.has_audio = file_->has_audio();
+    const AVFrame& samples = *first.samples();
+    info_.tags = {samples.color_primaries, samples.color_trc, samples.colorspace};
+    if (options_.matrix) info_.tags.matrix = matrix_tag(info_.format.matrix);
     info_.codec = avcodec_get_name(stream.codecpar->codec_id);
     info_.time_base = rational(stream.time_base);
     const AVRational aspect = av_guess_sample_aspect_ratio(&file_->container(), &file_->video(), nullptr);
