@@ -41,7 +41,7 @@ struct ModelMaterial {
 struct ModelVertex {
     std::array<float, 3> position;  // metres, world axes (z up), after the file's own node transforms
     std::array<float, 3> normal;    // unit length
-    std::array<float, 4> tangent;   // xyz unit length, w = handedness ±1; zero where there are no UVs
+    std::array<float, 4> tangent;   // xyz unit length, w = handedness ±1; zero without a normal map
     std::array<float, 2> uv;
     std::array<float, 4> color;  // vertex colour, linear, 1 where there is none
 };
@@ -60,6 +60,8 @@ struct Model {
     Eigen::AlignedBox3d bounds_m;
 
     std::size_t triangle_count() const;
+    /// Makes `bounds_m` the box of all vertices.
+    void update_bounds();
 };
 
 /// Reads glTF 2.0 (.gltf, .glb), OBJ, PLY or STL. Axes: glTF's y-up becomes z-up, (x, y, z) → (x, −z, y); OBJ, PLY and
@@ -68,8 +70,8 @@ struct Model {
 /// cycles, sizes beyond the memory there is.
 Model load_model(const std::filesystem::path& path, Warnings& warnings);
 
-/// "sphere" (radius ½), "box" (side 1), "plane" (side 1, z = 0), "torus", "cylinder"; throws InputError naming the
-/// nearest.
+/// "sphere" (radius ½), "box" (side 1), "plane" (side 1, z = 0), "torus" (outer radius ½, tube radius 0.15, about z),
+/// "cylinder" (radius ½, height 1, about z), all around the origin. Throws InputError naming the nearest.
 Model make_shape(const std::string& shape, const std::filesystem::path& reported);
 
 }  // namespace matchlight

@@ -1,0 +1,35 @@
+// A model file after its checks: everything a loader may read of it, held in memory, and nothing else.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/warnings.h"
+
+namespace matchlight {
+
+/// A picture that the model names "texture-0", "texture-1", …: encoded bytes, or a file inside the model's folder.
+struct TextureSource {
+    std::string name;            // for messages
+    std::string bytes;           // PNG, JPEG, …
+    std::filesystem::path file;  // read when the texture is used; empty where `bytes` hold it
+};
+
+/// What the loader is given. What was checked is what is read: no file is opened twice.
+struct CheckedModel {
+    std::filesystem::path path;                // of the model, for messages
+    std::string entry;                         // the name to load; its extension says the format
+    std::map<std::string, std::string> files;  // name → contents
+    std::vector<TextureSource> textures;
+};
+
+// Each reads one format and throws InputError for everything a loader should not see: truncated files, counts beyond
+// the file, indices out of range, names that lead out of the model's folder, sizes beyond the memory there is.
+CheckedModel check_gltf(const std::filesystem::path& path, Warnings& warnings);
+CheckedModel check_obj(const std::filesystem::path& path, Warnings& warnings);
+CheckedModel check_ply(const std::filesystem::path& path);
+CheckedModel check_stl(const std::filesystem::path& path);
+
+}  // namespace matchlight

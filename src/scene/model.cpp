@@ -1,0 +1,59 @@
+// Loads models by the kind of file they are.
+#include "scene/model.h"
+
+#include <algorithm>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "scene/assimp_import.h"
+#include "scene/checked_model.h"
+
+namespace matchlight {
+namespace {
+
+CheckedModel checked_model(const std::filesystem::path& path, Warnings& warnings) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    if (extension == ".gltf" || extension == ".glb") return check_gltf(path, warnings);
+    if (extension == ".obj") return check_obj(path, warnings);
+    if (extension == ".ply") return check_ply(path);
+    if (extension == ".stl") return check_stl(path);
+    throw InputError(path, fmt::format("models of kind '{}' are not supported", extension),
+                     "use .gltf, .glb, .obj, .ply or .stl");
+}
+
+}  // namespace
+
+std::size_t Model::triangle_count() const {
+    std::size_t count = 0;
+    for (const ModelMesh& mesh : meshes) count += mesh.indices.size() / 3;
+    return count;
+}
+
+void Model::update_bounds() {
+    bounds_m.setEmpty();
+    for (const ModelMesh& mesh : meshes) {
+        for (const ModelVertex& vertex : mesh.vertices) {
+            const auto& p = vertex.position;
+            bounds_m.extend(Eigen::Vector3d(p[0], p[1], p[2]));
+        }
+    }
+}
+
+Model load_model(const std::filesystem::path& path, Warnings& warnings) {
+    try {
+        return import_model(checked_model(path, warnings), warnings);
+    } catch (const std::bad_alloc&) {
+        throw InputError(path, "it does not fit into memory");
+    } catch (const InputError&) {
+        throw;
+    } catch (const std::exception& error) {
+        // The libraries that read models throw what they like.
+        throw InputError(path, fmt::format("it cannot be read: {}", error.what()));
+    }
+}
+
+}  // namespace matchlight
