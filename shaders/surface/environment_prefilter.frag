@@ -5,7 +5,7 @@
 #include "common/mappings.glsl"
 
 #ifndef MOST_SAMPLES
-#define MOST_SAMPLES 64
+#define MOST_SAMPLES 512
 #endif
 
 layout(binding = 0) uniform samplerCube mirror;
@@ -30,9 +30,13 @@ void main() {
     vec3 sum = vec3(0.0);
     float weight = 0.0;
     for (int i = 0; i < sample_count; ++i) {
-        vec4 direction = lobe[i];
-        sum += direction.z * textureLod(mirror, world_from_lobe * direction.xyz, direction.w).rgb;
-        weight += direction.z;
+        vec4 sampled = lobe[i];
+        vec3 direction = world_from_lobe * sampled.xyz;
+        vec3 along = abs(direction);
+        // Texels shrink towards the corners of a face, in solid angle with the cube of the largest component.
+        float level = sampled.w - 1.5 * log2(max(along.x, max(along.y, along.z)));
+        sum += sampled.z * textureLod(mirror, direction, level).rgb;
+        weight += sampled.z;
     }
     radiance = vec4(sum / weight, 1.0);
 }

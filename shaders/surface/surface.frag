@@ -37,6 +37,20 @@ float widened_roughness(float roughness, vec3 reflected) {
     return min(sqrt(sqrt(alpha2)), 1.0);
 }
 
+// Light that a GGX surface reflects at its first meeting with it, and after several.
+struct Scattering {
+    vec3 single, multiple;
+};
+
+// Fdez-Agüera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting": what the split sum
+// misses comes back as if diffuse, so that a white surface in white light sends back all of it.
+Scattering scattering(vec3 f0, vec2 table) {
+    vec3 single = f0 * table.x + table.y;
+    float missing = 1.0 - (table.x + table.y);
+    vec3 mean_fresnel = f0 + (1.0 - f0) / 21.0;
+    return Scattering(single, missing * single * mean_fresnel / (1.0 - mean_fresnel * missing));
+}
+
 void main() {
     vec4 base = base_color_at(material_uv, vertex_color);
     if (base.a < alpha_cutoff) discard;
@@ -64,17 +78,13 @@ void main() {
         float metallic = metallic_roughness.x;
         float roughness = metallic_roughness.y;
         float occlusion = occlusion_at(material_uv);
-        vec3 f0 = mix(vec3(0.04), base.rgb, metallic);  // 4 %: glTF 2.0, appendix B
-        vec3 albedo = base.rgb * (1.0 - metallic);
-
-        // Single and multiple scattering (Fdez-Agüera 2019, "A Multiple-Scattering Microfacet Model for Real-Time
-        // Image-based Lighting"): a white surface in white light sends back all of it.
         vec2 table = split_sum(n_dot_v, roughness);
-        vec3 single = f0 * table.x + table.y;
-        float missing = 1.0 - (table.x + table.y);
-        vec3 mean_fresnel = f0 + (1.0 - f0) / 21.0;
-        vec3 multiple = missing * single * mean_fresnel / (1.0 - mean_fresnel * missing);
-        vec3 transmitted = albedo * (1.0 - single - multiple);
+        // A mixture of two materials, so that each keeps its own energy: glTF 2.0, appendix B.
+        Scattering dielectric = scattering(vec3(0.04), table);
+        Scattering metal = scattering(base.rgb, table);
+        vec3 single = mix(dielectric.single, metal.single, metallic);
+        vec3 multiple = mix(dielectric.multiple, metal.multiple, metallic);
+        vec3 transmitted = (1.0 - metallic) * base.rgb * (1.0 - dielectric.single - dielectric.multiple);
 
         // The lobe of a rough surface leans towards the normal.
         vec3 dominant = normalize(mix(reflected, n, pow(roughness, 4.0)));

@@ -39,8 +39,8 @@ public:
 
     const GlInfo& info() const { return info_; }
 
-    /// Whether GL_TIME_ELAPSED agrees with the wall clock (it does not on Mesa's software rasterisers): measured once,
-    /// when first asked, by a draw of some milliseconds.
+    /// Whether GL_TIME_ELAPSED agrees with the wall clock: never on software rasterisers, elsewhere measured once, when
+    /// first asked, by some milliseconds of work.
     bool timer_queries_are_reliable();
 
 protected:

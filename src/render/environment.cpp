@@ -24,6 +24,11 @@ constexpr float largest_half = 65504;
 constexpr double roughness_ratio = 0.66;
 constexpr int last_face_size = 4;  // of roughness 1
 
+// Directions averaged for a texel of a rough level: the coarse levels, whose lobes are wide and whose texels are few,
+// get the most.
+constexpr int least_lobe_samples = 32;
+constexpr int most_lobe_samples = 512;
+
 int face_size_for(const Probe& probe, const EnvironmentSettings& settings) {
     if (settings.face_size > 0) return settings.face_size;
     constexpr int least = 64, most = 512;
@@ -57,9 +62,12 @@ ImageF reduced(const ImageF& image) {
 /// texels are as wide as the share (w).
 std::vector<Eigen::Vector4f> lobe_directions(double roughness, int count, int mirror_face_size) {
     const double alpha2 = std::pow(roughness, 4);
-    const double texel_solid_angle = 4 * std::numbers::pi / (6.0 * mirror_face_size * mirror_face_size);
-    // The lookups are made twice as wide, so that neighbouring ones overlap (Křivánek & Colbert 2008, section 3).
-    constexpr double overlap_levels = 1;
+    // At the middle of a face; the shader takes the place on the face into account.
+    const double texel_solid_angle = 4.0 / mirror_face_size / mirror_face_size;
+    // Lookups a little wider than their shares overlap, so that a small light does not show the pattern of the samples.
+    // Křivánek & Colbert (2008, section 3) double the width; with as many samples as here half of that (in levels)
+    // does, and keeps the lobe's shape to 3 % where doubling costs 5 % (against sums over all pixels).
+    constexpr double overlap_levels = 0.5;
     std::vector<Eigen::Vector4f> directions;
     for (int i = 0; i < count; ++i) {
         const double u = (i + 0.5) / count;
@@ -72,7 +80,7 @@ std::vector<Eigen::Vector4f> lobe_directions(double roughness, int count, int mi
         const double base = cosine2 * (alpha2 - 1) + 1;
         const double density = alpha2 / (std::numbers::pi * base * base) / 4;  // D(h)·(n·h)/(4 v·h), and n·h = v·h
         const double share = 1 / (count * density);
-        const double level = std::max(0.0, 0.5 * std::log2(share / texel_solid_angle) + overlap_levels);
+        const double level = 0.5 * std::log2(share / texel_solid_angle) + overlap_levels;
         directions.emplace_back(static_cast<float>(light_xy * std::cos(azimuth)),
                                 static_cast<float>(light_xy * std::sin(azimuth)), static_cast<float>(light_z),
                                 static_cast<float>(level));
@@ -104,7 +112,7 @@ void EnvironmentSettings::check() const {
     const bool power = std::has_single_bit(static_cast<unsigned>(std::max(face_size, 0)));
     require(face_size == 0 || (power && face_size >= 16 && face_size <= 2048), "face_size", face_size);
     require(sphere_map_size >= 16 && sphere_map_size <= 4096, "sphere_map_size", sphere_map_size);
-    require(lobe_samples >= 8 && lobe_samples <= 512, "lobe_samples", lobe_samples);
+    require(lookups_per_level >= 10'000, "lookups_per_level", lookups_per_level);
 }
 
 Environment::Environment(ShaderLibrary& shaders, const Probe& probe, const EnvironmentSettings& settings)
@@ -137,7 +145,7 @@ Environment::Environment(ShaderLibrary& shaders, const Probe& probe, const Envir
         const Framebuffer from({Attachment(mirror, 0, face)});
         from.resolve_color_to(Framebuffer({Attachment(cube_, 0, face)}), from.bounds());
     }
-    draw_rough_levels(shaders, mirror, settings.lobe_samples);
+    draw_rough_levels(shaders, mirror, settings.lookups_per_level);
 
     const int size = settings.sphere_map_size;
     sphere_map_ = Texture2D({.format = GL_RGBA16F, .width = size, .height = size, .levels = 0});
@@ -159,9 +167,10 @@ Environment::Environment(ShaderLibrary& shaders, const Probe& probe, const Envir
 }
 
 void Environment::draw_mirror_level(ShaderLibrary& shaders, const Texture2D& latlong, const TextureCube& mirror) const {
-    // Two samples for each lat-long pixel under a texel keep the energy of lights of a few pixels.
+    // Two samples for each lat-long pixel under a texel, and at least three, keep the energy of lights of one pixel to
+    // a tenth; with two across it is a seventh.
     const double pixels_a_texel = latlong.height() / (2.0 * mirror.face_size());
-    const int samples_across = std::clamp(static_cast<int>(std::ceil(2 * pixels_a_texel)), 2, 8);
+    const int samples_across = std::clamp(static_cast<int>(std::ceil(2 * pixels_a_texel)), 3, 8);
     Program& program = shaders.full_screen("surface/environment_cube.frag");
     program.use();
     program.set("samples_across", samples_across);
@@ -175,14 +184,16 @@ void Environment::draw_mirror_level(ShaderLibrary& shaders, const Texture2D& lat
     }
 }
 
-void Environment::draw_rough_levels(ShaderLibrary& shaders, const TextureCube& mirror, int lobe_samples) const {
-    Program& program =
-        shaders.full_screen("surface/environment_prefilter.frag", {{"MOST_SAMPLES", std::to_string(lobe_samples)}});
+void Environment::draw_rough_levels(ShaderLibrary& shaders, const TextureCube& mirror, int lookups_per_level) const {
+    Program& program = shaders.full_screen("surface/environment_prefilter.frag",
+                                           {{"MOST_SAMPLES", std::to_string(most_lobe_samples)}});
     program.use();
     mirror.bind(0);
     const FullScreenTriangle triangle;
     for (int level = 1; level < cube_.levels(); ++level) {
-        const auto lobe = lobe_directions(roughness_of_level(level), lobe_samples, mirror.face_size());
+        const int texels = 6 * cube_.face_size(level) * cube_.face_size(level);
+        const int count = std::clamp(lookups_per_level / texels, least_lobe_samples, most_lobe_samples);
+        const auto lobe = lobe_directions(roughness_of_level(level), count, mirror.face_size());
         program.set("sample_count", static_cast<int>(lobe.size()));
         program.set("lobe", std::span<const Eigen::Vector4f>(lobe));
         for (int face = 0; face < 6; ++face) {

@@ -15,7 +15,8 @@ struct EnvironmentSettings {
     /// its width), up to 512.
     int face_size = 0;
     int sphere_map_size = 512;  // pixels across the ball of the sphere map, 16 to 4096
-    int lobe_samples = 64;      // directions a texel of a rough level averages, 8 to 512
+    /// Lookups spent on each rough level, shared among its texels (32 to 512 each); at least 10,000.
+    int lookups_per_level = 3'000'000;
 
     /// Throws std::invalid_argument naming the value that is out of range.
     void check() const;
@@ -48,7 +49,7 @@ public:
 
 private:
     void draw_mirror_level(ShaderLibrary& shaders, const Texture2D& latlong, const TextureCube& mirror) const;
-    void draw_rough_levels(ShaderLibrary& shaders, const TextureCube& mirror, int lobe_samples) const;
+    void draw_rough_levels(ShaderLibrary& shaders, const TextureCube& mirror, int lookups_per_level) const;
 
     SphericalHarmonics9 sh_;
     TextureCube cube_;

@@ -38,7 +38,7 @@ struct SurfacePicture {
 struct SurfaceObject {
     const Model* model = nullptr;
     Eigen::Matrix4d world_from_model = Eigen::Matrix4d::Identity();
-    MaterialOverride material;
+    MaterialOverride material = {};
     ReflectionForm reflection = ReflectionForm::cube;
     int id = 1;  // in the object-id layer; 0 is kept for the background
     bool casts_shadow = true;
