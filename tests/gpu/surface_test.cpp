@@ -203,7 +203,6 @@ TEST_F(Surface, sphere_map_and_cube_agree_away_from_the_pole) {
     constexpr double pole_begins = 0.0;
     int compared = 0;
     double worst = 0;
-    double worst_at_pole = 0;
     for (const double side : {-4.0, 4.0}) {
         const TestCamera camera{.eye = side * forward, .forward = forward * (side < 0 ? 1 : -1), .right = right};
         const ImageF cube = color_of(renderer_.draw(environment, camera.view()));
@@ -216,18 +215,16 @@ TEST_F(Surface, sphere_map_and_cube_agree_away_from_the_pole) {
                 const Eigen::Vector3d n = hit->normalized();
                 const Eigen::Vector3d reflected = ray - 2 * n.dot(ray) * n;
                 const double difference = (rgb(map, x, y) - rgb(cube, x, y)).cwiseAbs().maxCoeff();
-                EXPECT_TRUE(std::isfinite(difference));
-                double& collected = reflected.y() > pole_begins ? worst : worst_at_pole;
-                collected = std::max(collected, difference);
+                if (reflected.y() > pole_begins) worst = std::max(worst, difference);
+                // Near the pole it is a wide mean of the light, but still that: within the light's own range.
+                EXPECT_GE(rgb(map, x, y).minCoeff(), 0.5 - 1e-3);
+                EXPECT_LE(rgb(map, x, y).maxCoeff(), 2.5 + 2e-3);
                 ++compared;
             }
         }
     }
     EXPECT_GT(compared, 6000);
-    EXPECT_LT(worst, 0.03);          // of light from 0.5 to 2.5; half floats and a texel's width of gradient
-    EXPECT_LT(worst_at_pole, 0.75);  // distorted, as the form is, but bounded
-    RecordProperty("worst", std::to_string(worst));
-    RecordProperty("worst_at_pole", std::to_string(worst_at_pole));
+    EXPECT_LT(worst, 0.03);  // of light from 0.5 to 2.5; half floats and a texel's width of gradient
 }
 
 TEST_F(Surface, the_classic_model_is_diffuse_plus_specular_times_environment) {
