@@ -8,6 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include "core/parallel.h"
+
 namespace matchlight {
 
 namespace {
@@ -68,13 +70,13 @@ Eigen::Vector2d split_sum(double n_dot_v, double roughness, int samples) {
 
 ImageF split_sum_table(int size, int samples) {
     ImageF table(size, size, 2);
-    for (int row = 0; row < size; ++row) {
+    parallel_for(size, [&](int row) {
         for (int column = 0; column < size; ++column) {
             const Eigen::Vector2d value = split_sum((column + 0.5) / size, (row + 0.5) / size, samples);
             table.at(column, row, 0) = static_cast<float>(value.x());
             table.at(column, row, 1) = static_cast<float>(value.y());
         }
-    }
+    });
     return table;
 }
 
