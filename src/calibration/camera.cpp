@@ -219,7 +219,7 @@ Eigen::Vector2d Camera::pixel_from_normalized(const Eigen::Vector2d& normalized)
 
 Eigen::Vector2d Camera::normalized_from_pixel(const Eigen::Vector2d& pixel) const {
     assert(fx > 0 && fy > 0);
-    const Vector2d sensor((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
+    Vector2d sensor((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
     if (!sensor.allFinite()) return unreachable();
     if (lens == LensModel::fisheye) return undistort_fisheye(*this, sensor);
     if (!has_distortion()) return sensor;

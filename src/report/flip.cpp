@@ -132,7 +132,7 @@ Filters make_filters(double pixels_per_degree) {
     const std::vector<double> smooth = gaussian(filters.feature_radius, 1 / (2 * deviation * deviation));
     std::vector<double> edge, point;
     for (int i = -filters.feature_radius; i <= filters.feature_radius; ++i) {
-        const double g = smooth[static_cast<std::size_t>(i + filters.feature_radius)];
+        const double g = std::exp(-i * i / (2 * deviation * deviation));
         edge.push_back(-i * g);
         point.push_back((i * i / (deviation * deviation) - 1) * g);
     }
@@ -256,9 +256,10 @@ private:
         float* channel[3];
         for (int c = 0; c < 3; ++c) channel[c] = padded_[static_cast<std::size_t>(c)].data();
         for (int x = 0; x < width_; ++x) {
-            const float r = linear_from_code_[source[3 * x]];
-            const float g = linear_from_code_[source[3 * x + 1]];
-            const float b = linear_from_code_[source[3 * x + 2]];
+            const float r = linear_from_code_[source[0]];
+            const float g = linear_from_code_[source[1]];
+            const float b = linear_from_code_[source[2]];
+            source += 3;
             const float relative_y = product(space_.relative_from_rgb[1], r, g, b);
             channel[0][x + radius_] = relative_y;
             channel[1][x + radius_] = product(space_.relative_from_rgb[0], r, g, b) - relative_y;
@@ -266,7 +267,8 @@ private:
         }
         for (float* row : channel) {
             std::fill(row, row + radius_, row[radius_]);
-            std::fill(row + radius_ + width_, row + width_ + 2 * radius_, row[radius_ + width_ - 1]);
+            float* const end = row + radius_ + width_;
+            std::fill(end, end + radius_, end[-1]);
         }
         const int color_start = radius_ - filters_.color_radius;
         const int feature_start = radius_ - filters_.feature_radius;

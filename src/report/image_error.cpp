@@ -32,7 +32,7 @@ std::optional<double> psnr_db(const Image8& reference, const Image8& test, const
             const std::uint8_t* p = reference.pixel(x, y);
             const std::uint8_t* q = test.pixel(x, y);
             for (int c = 0; c < channels; ++c) {
-                const int difference = p[c] - q[c];
+                const std::int64_t difference = p[c] - q[c];
                 sum += difference * difference;
             }
             samples += channels;

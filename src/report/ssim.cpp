@@ -21,7 +21,7 @@ std::array<double, ssim_window_px> make_window() {
     std::array<double, ssim_window_px> window{};
     double sum = 0;
     for (int i = 0; i < ssim_window_px; ++i) {
-        const double offset = i - ssim_window_px / 2;
+        const int offset = i - ssim_window_px / 2;
         window[static_cast<std::size_t>(i)] =
             std::exp(-offset * offset / (2 * window_deviation_px * window_deviation_px));
         sum += window[static_cast<std::size_t>(i)];
@@ -112,8 +112,9 @@ std::optional<double> ssim(const Image8& reference, const Image8& test, const Im
                 row_sum += similarity(sums);
                 ++row_count;
             }
-            row_sums[static_cast<std::size_t>(first + y)] = row_sum;
-            row_counts[static_cast<std::size_t>(first + y)] = row_count;
+            const auto row = static_cast<std::size_t>(first) + static_cast<std::size_t>(y);
+            row_sums[row] = row_sum;
+            row_counts[row] = row_count;
         }
     });
     double sum = 0;

@@ -48,7 +48,7 @@ std::string opencv_yaml(const std::string& matrix, const std::string& distortion
 
 const std::string good_matrix = "622.5, 0., 319.5, 0., 623.25, 179.5, 0., 0., 1.";
 
-TEST_F(CameraFile, reads_opencvs_yaml) {
+TEST_F(CameraFile, ReadsOpencvsYaml) {
     write(opencv_yaml(good_matrix, "-0.09, 0.03, 5.0e-04, -3.0e-04, 0.", 5));
     const Camera camera = load_camera(path_);
     EXPECT_EQ(camera.width, 640);
@@ -61,7 +61,7 @@ TEST_F(CameraFile, reads_opencvs_yaml) {
     EXPECT_EQ(camera.distortion, (std::vector<double>{-0.09, 0.03, 5e-4, -3e-4, 0}));
 }
 
-TEST_F(CameraFile, reads_ros_yaml_without_a_header) {
+TEST_F(CameraFile, ReadsRosYamlWithoutAHeader) {
     write(
         "image_width: 640\nimage_height: 480\ncamera_name: narrow\ncamera_matrix:\n  rows: 3\n  cols: 3\n"
         "  data: [500, 0, 320, 0, 501, 240, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n"
@@ -71,7 +71,7 @@ TEST_F(CameraFile, reads_ros_yaml_without_a_header) {
     EXPECT_EQ(camera.distortion.size(), 5u);
 }
 
-TEST_F(CameraFile, reads_json) {
+TEST_F(CameraFile, ReadsJson) {
     path_ = folder_ / "camera.json";
     write(
         "{\"image_width\": 640, \"image_height\": 480, \"camera_matrix\": [[500, 0, 320], [0, 501, 240], [0, 0, 1]],"
@@ -82,7 +82,7 @@ TEST_F(CameraFile, reads_json) {
     EXPECT_EQ(camera.distortion.size(), 4u);
 }
 
-TEST_F(CameraFile, writes_what_it_reads) {
+TEST_F(CameraFile, WritesWhatItReads) {
     Camera camera;
     camera.width = 1920;
     camera.height = 1080;
@@ -105,7 +105,22 @@ TEST_F(CameraFile, writes_what_it_reads) {
     }
 }
 
-TEST_F(CameraFile, names_what_is_wrong) {
+TEST(ReadyCameras, AllLoadAndReachTheirWholePicture) {
+    int cameras = 0;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(std::filesystem::path(MATCHLIGHT_SOURCE_DIR) / "calib" / "cameras")) {
+        const Camera camera = load_camera(entry.path());
+        ++cameras;
+        for (const double x : {0.0, camera.width - 1.0}) {
+            for (const double y : {0.0, camera.height - 1.0}) {
+                EXPECT_TRUE(camera.normalized_from_pixel({x, y}).allFinite()) << entry.path();
+            }
+        }
+    }
+    EXPECT_GE(cameras, 1);
+}
+
+TEST_F(CameraFile, NamesWhatIsWrong) {
     const std::string five = "0., 0., 0., 0., 0.";
     const auto expect_error = [&](const std::string& text, const std::string& part) {
         const std::string error = error_of(text);

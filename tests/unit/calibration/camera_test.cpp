@@ -44,7 +44,7 @@ protected:
     Camera camera_ = wide_camera(radtan_cases[GetParam()]);
 };
 
-TEST_P(RadtanCamera, projects_as_opencv_does) {
+TEST_P(RadtanCamera, ProjectsAsOpencvDoes) {
     std::vector<cv::Point3d> points;
     for (double y = -0.4; y <= 0.4; y += 0.1) {
         for (double x = -0.7; x <= 0.7; x += 0.1) points.emplace_back(x * 2.5, y * 2.5, 2.5);
@@ -59,7 +59,7 @@ TEST_P(RadtanCamera, projects_as_opencv_does) {
     }
 }
 
-TEST_P(RadtanCamera, inverts_its_projection_over_the_whole_picture) {
+TEST_P(RadtanCamera, InvertsItsProjectionOverTheWholePicture) {
     for (int y = 0; y < camera_.height; y += 45) {
         for (int x = 0; x < camera_.width; x += 40) {
             const Eigen::Vector2d normalized = camera_.normalized_from_pixel({x, y});
@@ -71,7 +71,7 @@ TEST_P(RadtanCamera, inverts_its_projection_over_the_whole_picture) {
     }
 }
 
-TEST_P(RadtanCamera, undistorts_as_opencv_does) {
+TEST_P(RadtanCamera, UndistortsAsOpencvDoes) {
     std::vector<cv::Point2d> pixels, normalized;
     for (int y = 40; y < camera_.height; y += 80) {
         for (int x = 40; x < camera_.width; x += 80) pixels.emplace_back(x, y);
@@ -87,7 +87,7 @@ TEST_P(RadtanCamera, undistorts_as_opencv_does) {
 
 INSTANTIATE_TEST_SUITE_P(all_coefficient_counts, RadtanCamera, testing::Range<std::size_t>(0, 6));
 
-TEST(FisheyeCamera, agrees_with_opencv_both_ways) {
+TEST(FisheyeCamera, AgreesWithOpencvBothWays) {
     Camera camera = wide_camera({-0.013, 0.021, -0.009, 0.0012});
     camera.lens = LensModel::fisheye;
     camera.fx = camera.fy = 420;  // the corner sees 100° across the diagonal
@@ -108,7 +108,7 @@ TEST(FisheyeCamera, agrees_with_opencv_both_ways) {
     }
 }
 
-TEST(FisheyeCamera, without_coefficients_is_equidistant) {
+TEST(FisheyeCamera, WithoutCoefficientsIsEquidistant) {
     Camera camera = wide_camera({});
     camera.lens = LensModel::fisheye;
     // A ray 45° off the axis lands π/4 focal lengths from the centre.
@@ -116,7 +116,7 @@ TEST(FisheyeCamera, without_coefficients_is_equidistant) {
     EXPECT_TRUE(camera.has_distortion());
 }
 
-TEST(FisheyeCamera, reaches_no_pixel_beyond_90_degrees) {
+TEST(FisheyeCamera, ReachesNoPixelBeyond90Degrees) {
     Camera camera = wide_camera({0, 0, 0, 0});
     camera.lens = LensModel::fisheye;
     camera.fx = camera.fy = 300;  // 90° is 471 px from the centre, the corner 737
@@ -124,7 +124,7 @@ TEST(FisheyeCamera, reaches_no_pixel_beyond_90_degrees) {
     EXPECT_FALSE(camera.normalized_from_pixel({camera.cx + 480, camera.cy}).allFinite());
 }
 
-TEST(FoldedLens, gives_nan_where_the_model_does_not_reach_and_the_inner_branch_elsewhere) {
+TEST(FoldedLens, GivesNanWhereTheModelDoesNotReachAndTheInnerBranchElsewhere) {
     // r·(1 − r²/3) turns at r = 1, where it is 2/3.
     const Camera camera = wide_camera({-1.0 / 3, 0, 0, 0});
     const double reach_px = camera.fx * 2 / 3;
@@ -142,7 +142,7 @@ TEST(FoldedLens, gives_nan_where_the_model_does_not_reach_and_the_inner_branch_e
     EXPECT_LT(inner.norm(), 1);
 }
 
-TEST(StrongDistortion, still_inverts) {
+TEST(StrongDistortion, StillInverts) {
     // An action camera: the fixed-point iteration of cv::undistortPoints diverges in this one's corners.
     const Camera camera = [] {
         Camera c = wide_camera({-0.33, 0.16, 0.001, -0.0005, -0.035});
@@ -162,7 +162,7 @@ TEST(StrongDistortion, still_inverts) {
     EXPECT_EQ(reached, 23 * 39);
 }
 
-TEST(CameraForSize, keeps_the_field_of_view) {
+TEST(CameraForSize, KeepsTheFieldOfView) {
     const Camera camera = wide_camera({-0.1, 0.02, 0, 0});
     const Camera half = camera_for_size(camera, 640, 360, "clip.mp4");
     // The centre of the picture stays the centre: pixel centres lie at whole numbers, edges at halves.

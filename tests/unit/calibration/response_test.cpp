@@ -45,7 +45,7 @@ std::vector<Response> every_family() {
             Response::hlg()};
 }
 
-TEST(Response, inverts_and_rises_in_and_beyond_the_code_range) {
+TEST(Response, InvertsAndRisesInAndBeyondTheCodeRange) {
     for (const Response& response : every_family()) {
         for (int channel = 0; channel < 3; ++channel) {
             double last = -std::numeric_limits<double>::infinity();
@@ -63,14 +63,14 @@ TEST(Response, inverts_and_rises_in_and_beyond_the_code_range) {
     }
 }
 
-TEST(Response, known_values) {
+TEST(Response, KnownValues) {
     EXPECT_NEAR(Response::srgb().linear_from_code(0.5, 0), 0.21404114048223255, 1e-15);  // IEC 61966-2-1
     EXPECT_NEAR(Response::gamma(2.2).linear_from_code(0.5, 1), std::pow(0.5, 2.2), 1e-15);
     EXPECT_NEAR(Response::hlg().linear_from_code(0.5, 2), 1.0 / 12, 1e-15);  // BT.2100: the joint of its two pieces
     EXPECT_NEAR(Response::pq().code_from_linear(0.01, 0), 0.508078, 1e-6);   // ST 2084: 100 cd/m²
 }
 
-TEST(Shoulder, is_the_base_curve_below_the_knee_and_smooth_at_it) {
+TEST(Shoulder, IsTheBaseCurveBelowTheKneeAndSmoothAtIt) {
     for (const double white : {0.0, 3.0}) {
         for (const double gamma : {0.0, 2.4}) {
             const double knee = 0.4;
@@ -90,7 +90,7 @@ TEST(Shoulder, is_the_base_curve_below_the_knee_and_smooth_at_it) {
     }
 }
 
-TEST(Shoulder, follows_its_equation) {
+TEST(Shoulder, FollowsItsEquation) {
     const double knee = 0.6, a = srgb_code_from_linear(knee);
     const double slope = 1.055 / 2.4 * std::pow(knee, 1 / 2.4 - 1);
     const Response open_end = Response::shoulder({0, knee, 0}, "r.json");
@@ -103,14 +103,14 @@ TEST(Shoulder, follows_its_equation) {
     EXPECT_NEAR(Response::shoulder({0, knee, 4}, "r.json").linear_from_code(1, 0), 4, 1e-9);
 }
 
-TEST(Shoulder, rejects_what_no_curve_can_do) {
+TEST(Shoulder, RejectsWhatNoCurveCanDo) {
     EXPECT_THROW(Response::shoulder({0, 0, 0}, "r.json"), InputError);
     EXPECT_THROW(Response::shoulder({0, 1, 0}, "r.json"), InputError);
     EXPECT_THROW(Response::shoulder({0, 0.6, 0.7}, "r.json"), InputError);  // the tangent gets to code 1 at 0.93
     EXPECT_THROW(Response::shoulder({-1, 0.6, 0}, "r.json"), InputError);
 }
 
-TEST(Table, interpolates_and_continues) {
+TEST(Table, InterpolatesAndContinues) {
     const Response response = parse(R"({"family": "table", "linear": [0, 0.1, 0.4, 1]})");
     EXPECT_NEAR(response.linear_from_code(1.0 / 3, 0), 0.1, 1e-15);
     EXPECT_NEAR(response.linear_from_code(0.5, 1), 0.25, 1e-15);
@@ -119,7 +119,7 @@ TEST(Table, interpolates_and_continues) {
     EXPECT_NEAR(response.linear_from_code(-0.1, 0), -0.03, 1e-14);
 }
 
-TEST(ResponseJson, reads_every_form) {
+TEST(ResponseJson, ReadsEveryForm) {
     for (const char* text : {R"("srgb")", R"({"family": "srgb"})", R"({"type": "sRGB"})"}) {
         EXPECT_EQ(parse(text).family(), Response::Family::srgb) << text;
     }
@@ -155,7 +155,7 @@ TEST(ResponseJson, reads_every_form) {
     }
 }
 
-TEST(ResponseJson, names_what_is_wrong) {
+TEST(ResponseJson, NamesWhatIsWrong) {
     const auto expect_error = [](const std::string& text, const std::string& part) {
         const std::string error = error_of(text);
         EXPECT_NE(error.find(part), std::string::npos) << text << ": " << error;
@@ -177,7 +177,7 @@ TEST(ResponseJson, names_what_is_wrong) {
     expect_error("3", "neither a name nor an object");
 }
 
-TEST(ResponseJson, writes_what_it_reads) {
+TEST(ResponseJson, WritesWhatItReads) {
     for (const Response& response : every_family()) {
         const Response again = Response::from_json(response.to_json(), "again.json");
         EXPECT_EQ(again.family(), response.family());
@@ -189,7 +189,7 @@ TEST(ResponseJson, writes_what_it_reads) {
     }
 }
 
-TEST(SampledLinear, is_the_curve_at_even_codes) {
+TEST(SampledLinear, IsTheCurveAtEvenCodes) {
     const std::vector<float> samples = Response::srgb().sampled_linear(256, 1);
     ASSERT_EQ(samples.size(), 256u);
     for (int i = 0; i < 256; ++i) EXPECT_FLOAT_EQ(samples[i], static_cast<float>(linear_from_srgb_code(i / 255.0)));
