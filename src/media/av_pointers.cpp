@@ -1,6 +1,8 @@
 // Frames with buffers of their own.
 #include "media/av_pointers.h"
 
+#include <cstring>
+
 namespace matchlight {
 
 AvPointer<AVFrame> allocated_frame(int width, int height, int pixel_format) {
@@ -9,6 +11,10 @@ AvPointer<AVFrame> allocated_frame(int width, int height, int pixel_format) {
     frame->height = height;
     frame->format = pixel_format;
     if (av_frame_get_buffer(frame.get(), 0) < 0) throw std::bad_alloc();
+    // Samples of 10 bits leave the rest of their words as they find it; encoders want zeros there.
+    for (const AVBufferRef* buffer : frame->buf) {
+        if (buffer != nullptr) std::memset(buffer->data, 0, buffer->size);
+    }
     return frame;
 }
 

@@ -33,7 +33,7 @@ struct AvInputCloser {
 };
 using AvInput = std::unique_ptr<AVFormatContext, AvInputCloser>;
 
-/// A frame with buffers of its own of this size and format.
+/// A frame with buffers of its own, all zero, of this size and format.
 AvPointer<AVFrame> allocated_frame(int width, int height, int pixel_format);
 /// A copy with buffers of its own: samples, time stamps, tags.
 std::shared_ptr<AVFrame> copied_frame(const AVFrame& frame);

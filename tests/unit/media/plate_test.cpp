@@ -30,8 +30,6 @@ std::shared_ptr<AVFrame> random_samples(AVPixelFormat format, int w, int h, unsi
     std::shared_ptr<AVFrame> frame = allocated_frame(w, h, format);
     const SampleLayout layout = *SampleLayout::of(format);
     std::mt19937 random(seed);
-    for (int plane = 0; plane < 4 && frame->buf[plane] != nullptr; ++plane)
-        std::memset(frame->buf[plane]->data, 0, frame->buf[plane]->size);
     for (int c = 0; c < layout.colours + (layout.has_alpha ? 1 : 0); ++c) {
         const int most = layout.component[static_cast<std::size_t>(c)].max();
         for (int y = 0; y < layout.height_of(c, *frame); ++y) {
