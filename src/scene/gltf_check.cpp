@@ -150,7 +150,7 @@ std::optional<json> GltfChecker::clean_primitive(const json& source, const std::
         int components = 0;
         if (name == "POSITION" || name == "NORMAL") components = 3;
         if (name == "TANGENT" || name == "COLOR_0") components = 4;
-        if (name.starts_with("TEXCOORD_")) components = 2;
+        if (name.size() == 10 && name.starts_with("TEXCOORD_") && name[9] < '8') components = 2;  // assimp holds eight
         const std::size_t accessor = *document_.index_of(attributes, name.c_str(), "accessors", where);
         if (components == 0) continue;  // joints, weights, further colours, an application's own
         const int given = accessors_.accessors()[accessor].components;

@@ -140,6 +140,10 @@ void GltfDocument::load_buffers(std::optional<std::string> binary_chunk) {
         std::string bytes;
         if (buffer.contains("uri")) {
             UriContents contents = resolve(text_of(buffer, "uri", where), where);
+            std::error_code failure;
+            if (!contents.file.empty() && !std::filesystem::is_regular_file(contents.file, failure)) {
+                fail(fmt::format("{}: there is no file '{}'", where, contents.file.string()));
+            }
             bytes = contents.file.empty() ? std::move(contents.bytes) : read_binary_file(contents.file);
         } else if (i == 0 && binary_chunk) {
             bytes = std::move(*binary_chunk);
