@@ -5,7 +5,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <regex>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -114,15 +113,23 @@ std::optional<std::int64_t> number_in_name(const fs::path& pattern, const std::s
     return number;
 }
 
+/// The part of a pattern's name that precedes "%d" or "%04d"; other percent signs are plain characters of the name.
+std::string name_before_number(const fs::path& pattern) {
+    const std::string name = pattern.filename().string();
+    for (std::size_t at = name.find('%'); at != std::string::npos; at = name.find('%', at + 1)) {
+        const std::size_t letter = name.find_first_not_of("0123456789", at + 1);
+        if (letter != std::string::npos && name[letter] == 'd') return name.substr(0, at);
+    }
+    return name;
+}
+
 std::vector<std::pair<std::int64_t, fs::path>> files_of_pattern(const fs::path& pattern) {
     const fs::path folder = pattern.has_parent_path() ? pattern.parent_path() : fs::path(".");
-    const std::string name = pattern.filename().string();
-    std::smatch field;
-    std::regex_search(name, field, std::regex("%[0-9]*d"));  // is_pattern has found exactly one
+    const std::string prefix = name_before_number(pattern);
     std::vector<std::pair<std::int64_t, fs::path>> files;
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder, error)) {
-        if (const auto number = number_in_name(pattern, field.prefix().str(), entry.path())) {
+        if (const auto number = number_in_name(pattern, prefix, entry.path())) {
             files.emplace_back(*number, pattern.parent_path() / entry.path().filename());
         }
     }
