@@ -1,0 +1,93 @@
+// matchlight track: from footage and its tags to a solve.
+#include "tracking/track.h"
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "commands/command.h"
+#include "commands/frame_range.h"
+#include "commands/result.h"
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "scene/scene_file.h"
+#include "tracking/solve_file.h"
+
+namespace matchlight {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct TrackCall {
+    fs::path scene;
+    std::optional<fs::path> output;
+    FrameRange frames;
+    bool overwrite = false, strict = false;
+};
+
+json counts_json(const std::map<int, std::int64_t>& counts) {
+    json object = json::object();
+    for (const auto& [id, count] : counts) object[std::to_string(id)] = count;
+    return object;
+}
+
+void run_track(const TrackCall& call, CommandContext& context) {
+    const Scene scene = load_scene(call.scene, context.warnings);
+    if (scene.footage.video.empty()) {
+        throw InputError(call.scene, "has no footage to track", "give [footage] video and camera");
+    }
+    // The scene's own solve is an artefact that track keeps up to date; a file named by hand may be something else.
+    const fs::path output = call.output.value_or(scene.footage.solve);
+    check_output(output, call.overwrite || !call.output);
+    const OutputLock lock(output);
+
+    TrackOptions options;
+    options.first_frame = call.frames.first;
+    options.last_frame = call.frames.last;
+    options.strict = call.strict;
+    options.quiet = context.quiet;
+    TrackSummary summary;
+    const auto start = std::chrono::steady_clock::now();
+    const Solve solve = track_footage(scene, options, context.warnings, summary);
+    save_solve(output, solve);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+    const json result{
+        {"solve", output.string()},
+        {"frames", summary.frames},
+        {"posed", summary.posed},
+        {"bridged", summary.bridged},
+        {"missing", summary.missing},
+        {"reprojection_px", {{"mean", summary.mean_reprojection_px}, {"worst", summary.worst_reprojection_px}}},
+        {"frames_by_tag", counts_json(summary.frames_by_tag)},
+        {"ids_outside_the_rig", counts_json(summary.foreign_ids)},
+        {"exposure_from_probe", summary.exposure_from_probe},
+        {"seconds", seconds}};
+    std::string text = fmt::format(
+        "{}: {} of {} frames have a pose ({} bridged), reprojection {:.3f} px mean, {:.3f} worst\n", output.string(),
+        summary.posed, summary.frames, summary.bridged, summary.mean_reprojection_px, summary.worst_reprojection_px);
+    for (const auto& [id, count] : summary.frames_by_tag) text += fmt::format("  tag {}: {} frames\n", id, count);
+    print_result(context, result, text);
+}
+
+}  // namespace
+
+void add_track_command(CLI::App& app, CommandContext& context) {
+    CLI::App* command = app.add_subcommand("track", "Pose, exposure and white balance of every frame, from the tags");
+    const auto call = std::make_shared<TrackCall>();
+    command->add_option("SCENE", call->scene, "Scene file (.toml)")->required();
+    command->add_option("-o,--output", call->output,
+                        "Solve file; unless given, the scene's own, which is replaced without asking");
+    add_frames_option(*command, call->frames);
+    command->add_flag("--overwrite", call->overwrite, "Replace the file named by --output");
+    command->add_flag("--strict", call->strict, "Damaged or truncated footage is an error");
+    command->callback([call, &context] { run_track(*call, context); });
+}
+
+}  // namespace matchlight

@@ -1,0 +1,69 @@
+// Tables of the response, and their use on regions of a frame.
+#include "tracking/plate_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace matchlight {
+
+namespace {
+
+// Y'CbCr reaches a little below 0 and above 1; the table holds that too, in steps of a quarter of a 10-bit code.
+constexpr double first_code = -0.1;
+constexpr double last_code = 1.15;
+constexpr int steps_per_unit = 4096;
+constexpr int table_size = static_cast<int>((last_code - first_code) * steps_per_unit) + 2;
+
+}  // namespace
+
+Response effective_response(const Response& scene_response, Transfer transfer) {
+    switch (transfer) {
+        case Transfer::pq:
+            return Response::pq();
+        case Transfer::hlg:
+            return Response::hlg();
+        case Transfer::camera:
+            break;
+    }
+    return scene_response;
+}
+
+PlateLight::PlateLight(const Response& response, Transfer transfer) {
+    const Response curve = effective_response(response, transfer);
+    for (int channel = 0; channel < 3; ++channel) {
+        std::vector<float>& table = tables_[static_cast<std::size_t>(channel)];
+        table.resize(table_size);
+        for (int i = 0; i < table_size; ++i) {
+            const double code = first_code + static_cast<double>(i) / steps_per_unit;
+            table[static_cast<std::size_t>(i)] = static_cast<float>(curve.linear_from_code(code, channel));
+        }
+        clipped_light_[static_cast<std::size_t>(channel)] = curve.linear_from_code(clipped_code, channel);
+    }
+}
+
+double PlateLight::light_from_code(float code, int channel) const {
+    const std::vector<float>& table = tables_[static_cast<std::size_t>(channel)];
+    const float position = (code - static_cast<float>(first_code)) * steps_per_unit;
+    const float clamped = std::clamp(position, 0.0f, static_cast<float>(table_size - 2));
+    const auto index = static_cast<std::size_t>(clamped);
+    const float fraction = clamped - static_cast<float>(index);
+    return table[index] + fraction * (table[index + 1] - table[index]);
+}
+
+ImageF PlateLight::gray(const PlateFrame& frame, const Region& region) const {
+    ImageF image = frame.gray_code(region);
+    for (float& sample : image.samples()) sample = static_cast<float>(light_from_code(sample, 1));
+    return image;
+}
+
+ImageF PlateLight::rgb(const PlateFrame& frame, const Region& region) const {
+    ImageF image = frame.rgb_code(region);
+    int channel = 0;
+    for (float& sample : image.samples()) {
+        sample = static_cast<float>(light_from_code(sample, channel));
+        channel = channel == 2 ? 0 : channel + 1;
+    }
+    return image;
+}
+
+}  // namespace matchlight

@@ -1,0 +1,53 @@
+// Refines a detected tag to hundredths of a pixel by fitting its known image, in linear light, through the lens.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "core/image.h"
+#include "tracking/blurred_pattern.h"
+#include "tracking/lens_grid.h"
+#include "tracking/tag_detector.h"
+
+namespace matchlight {
+
+using TagCorners = Eigen::Matrix<double, 2, 4>;     // in tag_corners_m's order
+using TagCovariance = Eigen::Matrix<double, 8, 8>;  // of (x0, y0, x1, y1, …)
+
+/// Where a tag is in one frame.
+struct TagObservation {
+    int id = 0;
+    TagCorners corners_normalized;    // on the plane z = 1 of the camera: the lens is undone
+    TagCovariance covariance;         // of corners_normalized
+    TagCorners corners_px;            // in the plate
+    double side_px = 0;               // mean length of the sides, lens undone
+    std::array<double, 2> blur_px{};  // standard deviation across vertical and horizontal edges of the sheet
+    double contrast = 0;              // light of paper minus ink
+    double correlation = 0;           // of the light with the fitted image, 0..1
+    double decision_margin = 0;
+    bool refined = false;  // by the fit; otherwise the library's corners
+};
+
+/// The observation with the fitted map from plate to tag grid, for whoever samples the tag.
+struct TagImageFit {
+    TagObservation observation;
+    /// Homogeneous grid coordinates (a, b, 1)·w of normalised ones.
+    Eigen::Matrix3d grid_from_normalized;
+    /// Pixels a grid cell spans along its axes, at the tag's centre.
+    std::array<double, 2> cell_px{};
+};
+
+/// The pixels that the grid of `cells` × `cells` covers; empty where the lens does not reach or the tag crosses the
+/// camera's horizon.
+Region region_of_grid(const Eigen::Matrix3d& grid_from_normalized, int cells, const Camera& camera);
+
+/// Fits homography (8), blur along both axes (2) and planes of light for paper and ink (6) to the pixels of `light`
+/// near the tag's edges, weighted robustly. `clipped_light` is the level above which light is only a lower bound.
+/// nullopt when the pixels do not look like that tag: a decoy. When they do but the fit does not hold (too blurred, too
+/// small), the library's corners come back with a wide covariance.
+std::optional<TagImageFit> fit_tag(const ImageF& light, double clipped_light, const LensGrid& lens,
+                                   const TagPattern& tag, const TagDetection& detection);
+
+}  // namespace matchlight

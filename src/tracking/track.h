@@ -1,0 +1,33 @@
+// The solve of a clip: pose, exposure and white balance of every frame, from the tags in it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+
+#include "core/warnings.h"
+#include "scene/scene_file.h"
+#include "tracking/solve_file.h"
+
+namespace matchlight {
+
+struct TrackOptions {
+    std::int64_t first_frame = 0;
+    std::optional<std::int64_t> last_frame;  // included
+    bool strict = false;                     // damaged footage is an error
+    bool quiet = false;                      // no progress
+};
+
+/// What was found, beside the solve itself.
+struct TrackSummary {
+    std::int64_t frames = 0, posed = 0, bridged = 0, missing = 0;
+    double mean_reprojection_px = 0, worst_reprojection_px = 0;
+    std::map<int, std::int64_t> frames_by_tag;
+    std::map<int, std::int64_t> foreign_ids;
+    bool exposure_from_probe = false;
+};
+
+/// Throws InputError: footage, camera, response or probe cannot be read, no tag in any frame, a stop was requested.
+Solve track_footage(const Scene& scene, const TrackOptions& options, Warnings& warnings, TrackSummary& summary);
+
+}  // namespace matchlight
