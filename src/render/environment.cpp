@@ -30,9 +30,9 @@ constexpr int least_lobe_samples = 32;
 constexpr int most_lobe_samples = 512;
 
 int face_size_for(const Probe& probe, const EnvironmentSettings& settings) {
-    if (settings.face_size > 0) return settings.face_size;
-    constexpr int least = 64, most = 512;
-    return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(probe.latlong.width() / 4))), least, most);
+    constexpr int least = 64;  // for the rough levels, whatever the probe
+    const auto held = static_cast<int>(std::bit_ceil(static_cast<unsigned>(probe.latlong.width() / 4)));
+    return std::min(std::max(held, least), settings.face_size);
 }
 
 int level_count(int face_size) {
@@ -110,7 +110,7 @@ void EnvironmentSettings::check() const {
         if (!fine) throw std::invalid_argument(fmt::format("environment: {} cannot be {}", name, value));
     };
     const bool power = std::has_single_bit(static_cast<unsigned>(std::max(face_size, 0)));
-    require(face_size == 0 || (power && face_size >= 16 && face_size <= 2048), "face_size", face_size);
+    require(power && face_size >= 16 && face_size <= 2048, "face_size", face_size);
     require(sphere_map_size >= 16 && sphere_map_size <= 4096, "sphere_map_size", sphere_map_size);
     require(lookups_per_level >= 10'000, "lookups_per_level", lookups_per_level);
 }

@@ -11,9 +11,9 @@
 namespace matchlight {
 
 struct EnvironmentSettings {
-    /// Texels along a face of the mirror level, a power of two, 16 to 2048; 0 takes what the probe holds (a quarter of
-    /// its width), up to 512.
-    int face_size = 0;
+    /// Most texels along a face of the mirror level, a power of two, 16 to 2048. A probe that holds less (a quarter of
+    /// its width is the same resolution) gets no more than it holds.
+    int face_size = 512;
     int sphere_map_size = 512;  // pixels across the ball of the sphere map, 16 to 4096
     /// Lookups spent on each rough level, shared among its texels (32 to 512 each); at least 10,000.
     int lookups_per_level = 3'000'000;

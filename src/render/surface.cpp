@@ -122,6 +122,15 @@ void set_blended_state() {
     glDepthMask(GL_FALSE);
 }
 
+/// Whether the eye, or the near plane before it, may lie within the box.
+bool enters(const SurfaceView& view, const Eigen::AlignedBox3d& box_m) {
+    // Reversed z with the far plane at infinity has the near distance in this place; the corners of a wide view's near
+    // plane lie a few times farther.
+    const double margin_m = 4 * view.clip_from_world(2, 3);
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(margin_m);
+    return Eigen::AlignedBox3d(box_m.min() - margin, box_m.max() + margin).contains(view.eye_world_m);
+}
+
 void leave_state() {
     glDepthMask(GL_TRUE);
     glDisable(GL_DEPTH_TEST);
@@ -186,12 +195,16 @@ Eigen::AlignedBox3d SurfaceRenderer::shadow_caster_bounds_m() const {
     return box;
 }
 
-void SurfaceRenderer::draw_mesh(Program& program, const Object& object, const Mesh& mesh) const {
+void SurfaceRenderer::draw_mesh(Program& program, const SurfaceView& view, const Object& object,
+                                const Mesh& mesh) const {
     const SurfaceMaterial& material = object.material_of(mesh);
+    const bool hides_back =
+        !material.factors.double_sided || (material.factors.alpha_mode == AlphaMode::opaque &&
+                                           mesh.geometry.is_closed() && !enters(view, object.bounds_of(mesh)));
     material.bind(program);
     // A mirroring placement turns the triangles' winding round.
     glFrontFace(object.world_from_model.topLeftCorner<3, 3>().determinant() < 0 ? GL_CW : GL_CCW);
-    if (!material.factors.double_sided) {
+    if (hides_back) {
         glEnable(GL_CULL_FACE);
         glCullFace(GL_BACK);
         mesh.geometry.draw();
@@ -233,7 +246,7 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, boo
                 const double distance_m = (object.bounds_of(mesh).center() - view.eye_world_m).norm();
                 blended.push_back({&object, &mesh, distance_m});
             } else {
-                draw_mesh(program, object, mesh);
+                draw_mesh(program, view, object, mesh);
             }
         }
     }
@@ -241,7 +254,7 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, boo
     if (!blended.empty()) set_blended_state();
     for (const Blended& next : blended) {
         place(*next.object);
-        draw_mesh(program, *next.object, *next.mesh);
+        draw_mesh(program, view, *next.object, *next.mesh);
     }
     leave_state();
 }

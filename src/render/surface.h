@@ -85,7 +85,7 @@ private:
     struct Targets;
 
     void draw_meshes(Program& program, const SurfaceView& view, bool for_layers) const;
-    void draw_mesh(Program& program, const Object& object, const Mesh& mesh) const;
+    void draw_mesh(Program& program, const SurfaceView& view, const Object& object, const Mesh& mesh) const;
 
     ShaderLibrary& shaders_;
     std::vector<Object> objects_;

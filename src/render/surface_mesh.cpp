@@ -14,7 +14,8 @@ namespace matchlight {
 SurfaceMesh::SurfaceMesh(const ModelMesh& mesh)
     : vertices_(std::span<const ModelVertex>(mesh.vertices)),
       indices_(std::span<const std::uint32_t>(mesh.indices)),
-      index_count_(static_cast<GLsizei>(mesh.indices.size())) {
+      index_count_(static_cast<GLsizei>(mesh.indices.size())),
+      is_closed_(is_closed_outward_surface(mesh)) {
     const VertexArray::Attribute attributes[] = {
         {.location = 0, .components = 3, .byte_offset = offsetof(ModelVertex, position)},
         {.location = 1, .components = 3, .byte_offset = offsetof(ModelVertex, normal)},

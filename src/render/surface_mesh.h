@@ -19,6 +19,9 @@ public:
     void draw() const;
 
     const Eigen::AlignedBox3d& bounds_m() const { return bounds_m_; }
+    /// Whether the surface encloses space without a gap, every part of it wound outwards: from outside no back face can
+    /// be seen, because a ray that has entered nothing has nothing to leave.
+    bool is_closed() const { return is_closed_; }
 
 private:
     Buffer vertices_;
@@ -26,7 +29,11 @@ private:
     VertexArray array_;
     GLsizei index_count_ = 0;
     Eigen::AlignedBox3d bounds_m_;
+    bool is_closed_ = false;
 };
+
+/// What SurfaceMesh::is_closed says; corners at the very same position count as one.
+bool is_closed_outward_surface(const ModelMesh& mesh);
 
 /// Factors and textures of a material, overrides already applied.
 struct SurfaceMaterial {

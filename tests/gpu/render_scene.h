@@ -44,8 +44,10 @@ inline Model make_sphere(double radius_m, int rings = 96) {
         for (int j = 0; j <= segments; ++j) {
             const double polar = std::numbers::pi * i / rings;
             const double azimuth = 2 * std::numbers::pi * j / segments;
-            const Eigen::Vector3d n(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth),
-                                    std::cos(polar));
+            // At the poles and along the seam exactly the same positions: the sphere is closed.
+            const double around = i == 0 || i == rings ? 0 : std::sin(polar);
+            const double turned = j == segments ? 0 : azimuth;
+            const Eigen::Vector3d n(around * std::cos(turned), around * std::sin(turned), std::cos(polar));
             ModelVertex vertex{};
             for (std::size_t k = 0; k < 3; ++k) {
                 vertex.position[k] = static_cast<float>(radius_m * n[static_cast<Eigen::Index>(k)]);
