@@ -20,6 +20,7 @@ using AddCommand = void (*)(CLI::App&, CommandContext&);
 const std::vector<AddCommand> command_table = {
     // One line a command, in the order the help shows them.
     matchlight::add_track_command,
+    matchlight::add_render_command,
     matchlight::add_compare_command,
     matchlight::add_doctor_command,
 };

@@ -1,47 +1,32 @@
-// How much of the environment reaches a point of a surface past the other objects, and from where: 1 is all of it. What
-// the scene does not need is compiled out, and then nothing blocks anything.
-#ifndef MATCHLIGHT_VISIBILITY
-#define MATCHLIGHT_VISIBILITY 0
-#endif
-#ifndef MATCHLIGHT_NEAR_SURFACE
-#define MATCHLIGHT_NEAR_SURFACE 0
-#endif
+// What of the probe a ray from a surface meets, and how much of its light is left there.
+#include "effects/contact_shadow/contact_shadow.glsl"
 
-#if MATCHLIGHT_VISIBILITY
-#include "effects/object_shadow/object_shadow.glsl"
-#endif
+uniform float surface_z_m;
+uniform int surface_shadow_present;   // whether the real surface lies in a contact shadow
+uniform int surface_is_near;          // whether the probe's place over the surface is known
+uniform vec3 probe_place_m;           // above the surface
 
-vec3 diffuse_visibility(vec3 world_position, vec3 world_normal) {
-#if MATCHLIGHT_VISIBILITY
-    return object_shadow(world_position, world_normal);
-#else
-    return vec3(1.0);
-#endif
+// Where a ray that goes down from above the real surface ends on it.
+bool meets_surface(vec3 world_position, vec3 direction, out vec3 met) {
+    float height_m = world_position.z - surface_z_m;
+    met = world_position;
+    if (direction.z >= 0.0 || height_m < 0.0) return false;
+    met = world_position + direction * (height_m / -direction.z);
+    return true;
 }
 
-vec3 specular_visibility(vec3 world_position, vec3 world_normal, vec3 reflected_direction, float roughness) {
-#if MATCHLIGHT_VISIBILITY
-    return vec3(light_left_on_surface(world_position, reflected_direction));
-#else
-    return vec3(1.0);
-#endif
+// The share of the surface's light that the contact shadow leaves where the ray ends; 1 for rays that go elsewhere.
+float light_left_along(vec3 world_position, vec3 direction) {
+    vec3 met;
+    if (surface_shadow_present == 0 || !meets_surface(world_position, direction, met)) return 1.0;
+    return contact_shadow_nearest(met.xy);
 }
 
-#if MATCHLIGHT_NEAR_SURFACE
-uniform float near_surface_z_m;
-uniform vec3 probe_place_m;   // above the surface
-#endif
-
-// The direction in which the probe shows what a ray from a point meets: a ray that goes down ends on the real surface,
-// which is near, and the probe saw that spot from its own place (after Brennan 2002, "Accurate Environment Mapped
-// Reflections and Refractions by Adjusting for Object Distance").
+// The direction in which the probe shows what a ray from a point meets: the surface is near, and the probe saw that
+// spot of it from its own place (after Brennan 2002, "Accurate Reflections and Refractions by Adjusting for Object
+// Distance").
 vec3 direction_in_probe(vec3 world_position, vec3 direction) {
-#if MATCHLIGHT_NEAR_SURFACE
-    float height_m = world_position.z - near_surface_z_m;
-    if (direction.z < 0.0 && height_m > 0.0) {
-        vec3 met = world_position + direction * (height_m / -direction.z);
-        return normalize(met - probe_place_m);
-    }
-#endif
-    return direction;
+    vec3 met;
+    if (surface_is_near == 0 || !meets_surface(world_position, direction, met)) return direction;
+    return normalize(met - probe_place_m);
 }

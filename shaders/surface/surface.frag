@@ -9,6 +9,7 @@ in vec3 world_normal;
 in vec4 world_tangent;
 in vec2 material_uv;
 in vec4 vertex_color;
+in vec3 vertex_visibility;  // of the light over the hemisphere, past other objects
 
 uniform vec3 eye_world;
 uniform bool reflects_sphere_map = false;
@@ -68,13 +69,13 @@ void main() {
         n_dot_v = least_cosine;
     }
     vec3 reflected = reflect(-v, n);
-    vec3 diffuse_light = diffuse_radiance(n) * diffuse_visibility(world_position, n);
+    vec3 diffuse_light = diffuse_radiance(n) * vertex_visibility;
 
     vec3 radiance;
     if (reflects_sphere_map) {
         vec3 environment = texture(environment_sphere_map, sphere_map_uv(direction_in_probe(world_position, reflected))).rgb;
         radiance = classic_diffuse * diffuse_light +
-                   classic_specular * environment * specular_visibility(world_position, n, reflected, 0.0);
+                   classic_specular * environment * light_left_along(world_position, reflected);
     } else {
         vec2 metallic_roughness = metallic_roughness_at(material_uv);
         float metallic = metallic_roughness.x;
@@ -91,7 +92,7 @@ void main() {
         // The lobe of a rough surface leans towards the normal.
         vec3 dominant = normalize(mix(reflected, n, pow(roughness, 4.0)));
         vec3 glossy = reflected_radiance(direction_in_probe(world_position, dominant), widened_roughness(roughness, reflected)) *
-                      specular_visibility(world_position, n, dominant, roughness) *
+                      light_left_along(world_position, dominant) *
                       specular_occlusion(n_dot_v, occlusion, roughness);
         radiance = single * glossy + (multiple + transmitted) * diffuse_light * occlusion;
     }

@@ -5,6 +5,7 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 tangent;  // w: handedness
 layout(location = 3) in vec2 texture_uv;
 layout(location = 4) in vec4 color;
+layout(location = 5) in vec4 visibility;  // 1 where none was baked
 
 uniform mat4 clip_from_model;  // multiplied in double precision on the CPU
 uniform mat4 world_from_model;
@@ -15,6 +16,7 @@ out vec3 world_normal;
 out vec4 world_tangent;
 out vec2 material_uv;
 out vec4 vertex_color;
+out vec3 vertex_visibility;
 
 void main() {
     world_position = (world_from_model * vec4(position, 1.0)).xyz;
@@ -22,5 +24,6 @@ void main() {
     world_tangent = vec4(mat3(world_from_model) * tangent.xyz, tangent.w);
     material_uv = texture_uv;
     vertex_color = color;
+    vertex_visibility = visibility.rgb;
     gl_Position = clip_from_model * vec4(position, 1.0);
 }

@@ -19,6 +19,7 @@
 #include "render/environment.h"
 #include "render/surface.h"
 #include "scene/model.h"
+#include "scene/subdivide.h"
 
 namespace matchlight {
 
@@ -67,6 +68,15 @@ ImageF response_table(const Response& response, int bit_depth) {
     return table;
 }
 
+/// Shadows between objects are kept at vertices: a face is given some, about as many along a model as a small shadow
+/// needs. Larger meshes stay as they are, being fine already.
+void shorten_edges(Model& model) {
+    constexpr double edges_along_model = 48;
+    constexpr std::size_t most_vertices = 200'000;
+    const double longest_m = model.bounds_m.sizes().maxCoeff() / edges_along_model;
+    for (ModelMesh& mesh : model.meshes) mesh = with_short_edges(mesh, longest_m, most_vertices);
+}
+
 ImageF channels_of(const ImageF& image, int first, int count) {
     ImageF part(image.width(), image.height(), count);
     for (int y = 0; y < image.height(); ++y) {
@@ -84,7 +94,9 @@ struct Compositor::Impl {
          Warnings& the_warnings);
 
     void place_objects(const Scene& scene, Warnings& warnings);
-    void draw_shadows(const Scene& scene, const Probe& probe);
+    ShadowCasters shadow_casters();
+    void draw_contact_shadow(const Scene& scene, const Probe& probe);
+    void bake_object_shadow(const Probe& probe);
     void describe_surface(const Scene& scene);
     void prepare_composite(const PlateFormat& format);
     const Response& response_of(const PlateFormat& format) const;
@@ -102,7 +114,6 @@ struct Compositor::Impl {
     SurfaceRenderer surfaces;
     std::unique_ptr<Environment> environment;
     std::optional<ContactShadow> shadow;
-    std::optional<ObjectShadow> object_shadow;
     SurfaceShading shading;
     Texture2D nothing{TextureShape{.format = GL_RGBA32F, .width = 2, .height = 2}};  // where there is no shadow
     LensMap lens_map;
@@ -128,16 +139,18 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
         warnings.add(fmt::format("{}: {} values beyond the range of half floats are taken as 65504 in reflections",
                                  scene.probe ? scene.probe->path.string() : "probe", environment->clamped_values()));
     }
-    draw_shadows(scene, probe);
+    draw_contact_shadow(scene, probe);
     describe_surface(scene);
+    bake_object_shadow(probe);
     check_no_gl_error("making what the whole clip shares");
 }
 
 void Compositor::Impl::place_objects(const Scene& scene, Warnings& the_warnings) {
     int id = 0;
     for (const ObjectSettings& object : scene.objects) {
-        const Model model =
+        Model model =
             object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, the_warnings);
+        if (quality.object_shadow.directions > 0) shorten_edges(model);
         surfaces.add_object({.model = &model,
                              .world_from_model = world_from_model(object, solve, scene.path),
                              .material = object.material,
@@ -147,40 +160,48 @@ void Compositor::Impl::place_objects(const Scene& scene, Warnings& the_warnings)
     }
 }
 
-void Compositor::Impl::draw_shadows(const Scene& scene, const Probe& probe) {
-    const ShadowCasters casters{surfaces.shadow_caster_bounds_m(),
-                                [this](Program& program) { surfaces.draw_shadow_casters(program); }};
-    if (scene.surface.present && scene.surface.shadow) {
-        shadow = make_contact_shadow(shaders, casters, scene.surface.z_m,
-                                     sample_directions(probe, quality.shadow.directions, 0, true), quality.shadow);
-    }
-    if (quality.object_shadow.directions > 0 && !casters.bounds_m.isEmpty()) {
-        const auto samples = sample_directions(probe, quality.object_shadow.directions, -1, false);
-        if (!samples.empty()) object_shadow.emplace(shaders, casters, samples, quality.object_shadow);
-    }
+ShadowCasters Compositor::Impl::shadow_casters() {
+    return {surfaces.shadow_caster_bounds_m(), [this](Program& program) { surfaces.draw_shadow_casters(program); }};
+}
+
+void Compositor::Impl::draw_contact_shadow(const Scene& scene, const Probe& probe) {
+    if (!scene.surface.present || !scene.surface.shadow) return;
+    shadow =
+        make_contact_shadow(shaders, shadow_casters(),
+                            make_surface_light(probe, scene.surface.z_m, quality.shadow.directions), quality.shadow);
 }
 
 void Compositor::Impl::describe_surface(const Scene& scene) {
     // The probe shows the surface from its own place; without that place the surface is taken as far away.
-    const bool near_surface =
+    const bool is_near =
         scene.surface.present && scene.probe && scene.probe->place_m && scene.probe->place_m->z() > scene.surface.z_m;
-    if (object_shadow) shading.defines["MATCHLIGHT_VISIBILITY"] = "1";
-    if (near_surface) shading.defines["MATCHLIGHT_NEAR_SURFACE"] = "1";
-    const Eigen::Vector3d place = near_surface ? *scene.probe->place_m : Eigen::Vector3d::Zero();
-    shading.bind = [this, place, z = scene.surface.z_m](Program& program) {
+    const Eigen::Vector3d place = is_near ? *scene.probe->place_m : Eigen::Vector3d::Zero();
+    shading.bind = [this, is_near, place, z = scene.surface.z_m](Program& program) {
         constexpr GLuint unit = SurfaceShading::first_free_unit;
-        program.set("near_surface_z_m", z);
+        program.set("surface_z_m", z);
+        program.set("surface_is_near", is_near);
         program.set("probe_place_m", Eigen::Vector3f(place.cast<float>()));
-        program.set("real_surface_z_m", z);
         program.set("surface_shadow_present", shadow.has_value());
-        if (object_shadow) object_shadow->bind(program, unit);
         if (shadow) {
-            shadow->bind(program, unit + 2);
+            shadow->bind(program, unit);
         } else {
-            program.bind_texture("shadow_fine", unit + 2, nothing);
-            program.bind_texture("shadow_far", unit + 3, nothing);
+            program.bind_texture("shadow_fine", unit, nothing);
+            program.bind_texture("shadow_far", unit + 1, nothing);
         }
     };
+}
+
+void Compositor::Impl::bake_object_shadow(const Probe& probe) {
+    const ShadowCasters casters = shadow_casters();
+    if (quality.object_shadow.directions == 0 || casters.bounds_m.isEmpty()) return;
+    const auto samples = sample_directions(probe, quality.object_shadow.directions, -1, false);
+    if (samples.empty()) return;
+    const ObjectShadow object_shadow(shaders, casters, samples, quality.object_shadow);
+    Program& bake = shaders.compute("effects/object_shadow/bake.comp");
+    bake.use();
+    object_shadow.bind(bake, SurfaceShading::first_free_unit + 2);
+    shading.bind(bake);
+    surfaces.bake_visibility(bake);
 }
 
 const Response& Compositor::Impl::response_of(const PlateFormat& format) const {

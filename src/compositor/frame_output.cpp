@@ -94,8 +94,8 @@ public:
         const PlateFormat& format = frame.plate.format();
         const ImageF plate = compositor.plate_linear(frame.plate);
         ImageF beauty = plate;
-        std::vector<ExrPart> parts{{.name = "beauty", .channels = {"R", "G", "B"}, .image = &beauty},
-                                   {.name = "plate", .channels = {"R", "G", "B"}, .image = &plate}};
+        std::vector<ExrPart> parts{{"beauty", {"R", "G", "B"}, &beauty, true, {}},
+                                   {"plate", {"R", "G", "B"}, &plate, true, {}}};
         const ImageF nothing(1, 1, 1);
         const ImageF no_normal(1, 1, 3);
         const ImageF no_shadow(1, 1, 3, 1.0f);

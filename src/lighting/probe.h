@@ -62,6 +62,7 @@ Eigen::Vector3d irradiance_from_sh(const SphericalHarmonics9& sh, const Eigen::V
 struct DirectionalSample {
     Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // towards the light, world
     Eigen::Vector3d radiance_times_solid_angle = Eigen::Vector3d::Zero();
+    double solid_angle_sr = 0;
 };
 /// Splits the directions with world z ≥ `minimum_z` into `count` strata of about equal power × angular spread (power is
 /// luminance, × max(z, 0) when `weight_by_cosine`): median cut (Debevec 2005) that goes where one direction would stand

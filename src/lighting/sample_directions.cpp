@@ -153,12 +153,14 @@ std::vector<DirectionalSample> sample_directions(const Probe& probe, int count, 
         Eigen::Vector3d integral = Eigen::Vector3d::Zero();
         Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
         double power = 0;
+        double whole_solid_angle = 0;
         for (int y = r.y; y < r.y + r.height; ++y) {
             const LatlongRow row = grid.row_above(y, minimum_z);
             for (int x = r.x; x < r.x + r.width; ++x) {
                 const float* p = image.pixel(x, y);
                 const double luminance = std::max(0.0, luminance_rec709(p[0], p[1], p[2]));
                 const double solid_angle = row.sin1 * grid.azimuth_step();
+                whole_solid_angle += solid_angle;
                 integral += solid_angle * Eigen::Vector3d(p[0], p[1], p[2]);
                 power += luminance * solid_angle;
                 centroid +=
@@ -169,6 +171,7 @@ std::vector<DirectionalSample> sample_directions(const Probe& probe, int count, 
         if (power <= 0) continue;  // a black stratum lights nothing
         DirectionalSample sample;
         sample.radiance_times_solid_angle = integral;
+        sample.solid_angle_sr = whole_solid_angle;
         if (centroid.norm() > 0) sample.direction = centroid.normalized();
         if (weight_by_cosine) {
             // The mean cosine as the height, so that the irradiance of a level plane is the stratum's own; the

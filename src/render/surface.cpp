@@ -264,12 +264,16 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     assert(view.width > 0 && view.height > 0 && view.samples > 0);
     const int samples = std::min(view.samples, current_gl_context()->info().max_samples);
     targets_->fit_color(view, samples);
-    Program& program = shaders_.program(
-        {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}}, shading.defines);
+    Program& program =
+        shaders_.program({{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}});
     program.use();
     program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));
     environment.bind(program);
+    program.set("surface_shadow_present", 0);
+    program.set("surface_is_near", 0);
     if (shading.bind) shading.bind(program);
+    // Meshes without baked visibility see all the light.
+    glVertexAttrib4f(5, 1, 1, 1, 1);
 
     const Region region{0, 0, view.width, view.height};
     const Framebuffer& target = samples > 1 ? targets_->multisampled : targets_->resolved;
@@ -306,12 +310,24 @@ SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
             .object_id = &targets_->layer_id};
 }
 
+void SurfaceRenderer::bake_visibility(Program& program) {
+    program.use();
+    for (Object& object : objects_) {
+        const Eigen::Matrix3d linear = object.world_from_model.topLeftCorner<3, 3>();
+        program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
+        program.set("normal_from_model", Eigen::Matrix3f(linear.inverse().transpose().cast<float>()));
+        for (Mesh& mesh : object.meshes) mesh.geometry.bake_visibility(program);
+    }
+}
+
 void SurfaceRenderer::draw_shadow_casters(Program& program) const {
     program.use();
     for (const Object& object : objects_) {
         program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
         for (const Mesh& mesh : object.meshes) {
-            if (object.casts(mesh)) mesh.geometry.draw();
+            if (!object.casts(mesh)) continue;
+            program.set("caster_reflectance", object.material_of(mesh).reflectance());
+            mesh.geometry.draw();
         }
     }
 }

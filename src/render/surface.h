@@ -44,10 +44,9 @@ struct SurfaceObject {
     bool casts_shadow = true;
 };
 
-/// What other passes bring into the shading of surfaces: definitions and uniforms for common/visibility.glsl. Texture
-/// units from `first_free_unit` are theirs.
+/// Sets what other passes bring into the shading of surfaces: the uniforms of common/visibility.glsl. Texture units
+/// from `first_free_unit` are theirs. Empty: no real surface, no shadow.
 struct SurfaceShading {
-    ShaderDefines defines;
     std::function<void(Program&)> bind;
     static constexpr GLuint first_free_unit = 8;
 };
@@ -74,6 +73,10 @@ public:
     SurfacePicture draw(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading = {});
     /// Depth, normal and object id, one sample a pixel; the colour of the picture is null.
     SurfacePicture draw_layers(const SurfaceView& view);
+
+    /// Runs a compute program over the vertices of every mesh, to keep what it finds of their light with them (see
+    /// render/effects/object_shadow.h). Sets `world_from_model` and `normal_from_model` for each object.
+    void bake_visibility(Program& program);
 
     /// Draws the geometry of shadow casters with the caller's program and state: position at attribute 0, uniform
     /// `world_from_model` set for each object. Blended meshes whose alpha is below a half cast none.

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/transfer.h"
 #include "gl/context.h"
 
 namespace matchlight {
@@ -14,6 +15,7 @@ namespace matchlight {
 SurfaceMesh::SurfaceMesh(const ModelMesh& mesh)
     : vertices_(std::span<const ModelVertex>(mesh.vertices)),
       indices_(std::span<const std::uint32_t>(mesh.indices)),
+      vertex_count_(static_cast<GLsizei>(mesh.vertices.size())),
       index_count_(static_cast<GLsizei>(mesh.indices.size())),
       is_closed_(is_closed_outward_surface(mesh)) {
     const VertexArray::Attribute attributes[] = {
@@ -29,9 +31,30 @@ SurfaceMesh::SurfaceMesh(const ModelMesh& mesh)
     }
 }
 
+void SurfaceMesh::bake_visibility(Program& program) {
+    visibility_ = Buffer(static_cast<std::size_t>(vertex_count_) * 4 * sizeof(float));
+    vertices_.bind(GL_SHADER_STORAGE_BUFFER, 0);
+    visibility_.bind(GL_SHADER_STORAGE_BUFFER, 1);
+    static_assert(offsetof(ModelVertex, position) == 0 && offsetof(ModelVertex, normal) == 3 * sizeof(float));
+    program.set("vertex_count", vertex_count_);
+    program.set("vertex_floats", static_cast<int>(sizeof(ModelVertex) / sizeof(float)));
+    constexpr int group = 64;  // as bake.comp says
+    glDispatchCompute(static_cast<GLuint>((vertex_count_ + group - 1) / group), 1, 1);
+    glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT);
+    const VertexArray::Attribute attribute{.location = 5, .components = 4, .byte_offset = 0};
+    array_.set_vertex_buffer(1, visibility_, 4 * sizeof(float), {&attribute, 1});
+}
+
 void SurfaceMesh::draw() const {
     array_.bind();
     glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+}
+
+float SurfaceMaterial::reflectance() const {
+    const auto& base = factors.base_color;
+    const double luminance = luminance_rec709(base[0], base[1], base[2]);
+    constexpr double dielectric = 0.04;  // glTF 2.0, appendix B
+    return static_cast<float>(std::clamp(luminance + dielectric * (1 - factors.metallic), 0.0, 1.0));
 }
 
 void SurfaceMaterial::bind(Program& program) const {

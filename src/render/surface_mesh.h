@@ -12,11 +12,14 @@
 
 namespace matchlight {
 
-/// Vertex attribute 0 is the position, 1 normal, 2 tangent, 3 uv, 4 colour (surface.vert).
+/// Vertex attribute 0 is the position, 1 normal, 2 tangent, 3 uv, 4 colour, 5 baked visibility (surface.vert).
 class SurfaceMesh {
 public:
     explicit SurfaceMesh(const ModelMesh& mesh);
     void draw() const;
+
+    /// Runs effects/object_shadow/bake.comp over the vertices; the result is attribute 5 from then on.
+    void bake_visibility(Program& program);
 
     const Eigen::AlignedBox3d& bounds_m() const { return bounds_m_; }
     /// Whether the surface encloses space without a gap, every part of it wound outwards: from outside no back face can
@@ -27,6 +30,8 @@ private:
     Buffer vertices_;
     Buffer indices_;
     VertexArray array_;
+    Buffer visibility_;  // empty until baked
+    GLsizei vertex_count_ = 0;
     GLsizei index_count_ = 0;
     Eigen::AlignedBox3d bounds_m_;
     bool is_closed_ = false;
@@ -43,6 +48,8 @@ struct SurfaceMaterial {
     Eigen::Vector3f classic_diffuse = Eigen::Vector3f::Zero();   // Od
     Eigen::Vector3f classic_specular = Eigen::Vector3f::Zero();  // Ks
 
+    /// Share of white light that it sends back, diffuse and mirrored together, by its factors.
+    float reflectance() const;
     bool blends() const { return factors.alpha_mode == AlphaMode::blend; }
     /// Sets the uniforms and binds the textures (units 0 to 4) of common/material.glsl and the classic terms.
     void bind(Program& program) const;

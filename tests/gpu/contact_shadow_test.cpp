@@ -92,6 +92,10 @@ protected:
     ShaderLibrary shaders_;
 };
 
+SurfaceLight light_of(const Probe& probe, int directions) {
+    return make_surface_light(probe, 0, directions);
+}
+
 /// The shadow as the shader looks it up, at texel centres.
 class ShadowOnCpu {
 public:
@@ -121,8 +125,7 @@ TEST_F(ContactShadowTest, AgreesWithTheReference) {
     const Probe probe = room_with_lamp();
     ContactShadowSettings settings;
     settings.directions = 256;
-    const auto shadow = make_contact_shadow(shaders_, sphere.casters(), 0,
-                                            sample_directions(probe, settings.directions, 0, true), settings);
+    const auto shadow = make_contact_shadow(shaders_, sphere.casters(), light_of(probe, settings.directions), settings);
     ASSERT_TRUE(shadow);
     const ShadowOnCpu on_cpu(*shadow);
     double sum = 0, worst = 0;
@@ -148,8 +151,7 @@ TEST_F(ContactShadowTest, ErrorFallsWithTheNumberOfDirections) {
     for (const int directions : {8, 64, 512}) {
         ContactShadowSettings settings;
         settings.directions = directions;
-        const auto shadow =
-            make_contact_shadow(shaders_, sphere.casters(), 0, sample_directions(probe, directions, 0, true), settings);
+        const auto shadow = make_contact_shadow(shaders_, sphere.casters(), light_of(probe, directions), settings);
         ASSERT_TRUE(shadow);
         const ShadowOnCpu on_cpu(*shadow);
         double sum = 0;
@@ -168,8 +170,7 @@ TEST_F(ContactShadowTest, TouchesAtTheContactAndNowhereUnderAHoveringCastersFree
     // A sphere that rests on the surface leaves no light at the very contact.
     const SphereCaster resting({0, 0, 0.035}, 0.035);
     const Probe probe = room_with_lamp();
-    const auto samples = sample_directions(probe, 128, 0, true);
-    const auto shadow = make_contact_shadow(shaders_, resting.casters(), 0, samples, {});
+    const auto shadow = make_contact_shadow(shaders_, resting.casters(), light_of(probe, 128), {});
     ASSERT_TRUE(shadow);
     const ShadowOnCpu on_cpu(*shadow);
     EXPECT_LT(on_cpu.ratio({0, 0}).maxCoeff(), 0.03);
@@ -177,12 +178,11 @@ TEST_F(ContactShadowTest, TouchesAtTheContactAndNowhereUnderAHoveringCastersFree
 
 TEST_F(ContactShadowTest, OfNothingAboveTheSurfaceIsNothing) {
     const SphereCaster buried({0, 0, -0.1}, 0.05);
-    const auto samples = sample_directions(room_with_lamp(), 16, 0, true);
-    EXPECT_FALSE(make_contact_shadow(shaders_, buried.casters(), 0, samples, {}));
+    EXPECT_FALSE(make_contact_shadow(shaders_, buried.casters(), light_of(room_with_lamp(), 16), {}));
     Probe black;
     black.latlong = ImageF(16, 8, 3);
     const SphereCaster sphere({0, 0, 0.1}, 0.05);
-    EXPECT_FALSE(make_contact_shadow(shaders_, sphere.casters(), 0, sample_directions(black, 16, 0, true), {}));
+    EXPECT_FALSE(make_contact_shadow(shaders_, sphere.casters(), light_of(black, 16), {}));
 }
 
 TEST_F(ContactShadowTest, BeyondItsReachLessThanTheLostShareIsBlocked) {

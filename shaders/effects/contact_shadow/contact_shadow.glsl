@@ -1,25 +1,43 @@
 // Looks up the share of the probe's light that still arrives at a point of the surface.
 
-// What the casters take away: of steep directions around their feet, of flat directions as far as the shadow reaches.
+// What the casters take away (rgb) and send back (a): of steep directions around their feet, of flat ones as far as the
+// shadow reaches.
 uniform sampler2D shadow_fine;
 uniform sampler2D shadow_far;
 uniform vec4 shadow_fine_rectangle_m;   // min x, min y, width, height on the surface
 uniform vec4 shadow_far_rectangle_m;
 
 // Bilinear; nothing is lost outside the rectangle.
-vec3 shadow_loss(sampler2D map, vec4 rectangle_m, vec2 surface_m) {
+vec4 shadow_loss(sampler2D map, vec4 rectangle_m, vec2 surface_m) {
     ivec2 size = textureSize(map, 0);
     vec2 at = (surface_m - rectangle_m.xy) / rectangle_m.zw * vec2(size) - 0.5;
-    if (any(lessThan(at, vec2(0.0))) || any(greaterThan(at, vec2(size - 1)))) return vec3(0.0);
+    if (any(lessThan(at, vec2(0.0))) || any(greaterThan(at, vec2(size - 1)))) return vec4(0.0);
     ivec2 texel = min(ivec2(at), size - 2);
     vec2 t = at - vec2(texel);
-    vec3 low = mix(texelFetch(map, texel, 0).rgb, texelFetch(map, texel + ivec2(1, 0), 0).rgb, t.x);
-    vec3 high = mix(texelFetch(map, texel + ivec2(0, 1), 0).rgb, texelFetch(map, texel + ivec2(1, 1), 0).rgb, t.x);
+    vec4 low = mix(texelFetch(map, texel, 0), texelFetch(map, texel + ivec2(1, 0), 0), t.x);
+    vec4 high = mix(texelFetch(map, texel + ivec2(0, 1), 0), texelFetch(map, texel + ivec2(1, 1), 0), t.x);
     return mix(low, high, t.y);
 }
 
-// Light with the casters over light without. Sums of shares may pass 1 by their rounding.
+vec4 shadow_loss_nearest(sampler2D map, vec4 rectangle_m, vec2 surface_m) {
+    vec2 share = (surface_m - rectangle_m.xy) / rectangle_m.zw;
+    if (share != clamp(share, 0.0, 1.0)) return vec4(0.0);
+    ivec2 size = textureSize(map, 0);
+    return texelFetch(map, min(ivec2(share * vec2(size)), size - 1), 0);
+}
+
+// What is left, r, is what arrives directly and what the casters return of the surface's own light, which is r times its
+// unshadowed light: r = open + returned · r. Sums of shares may pass 1 by their rounding; a shadow adds no light.
+vec3 light_left(vec4 loss) { return clamp((1.0 - loss.rgb) / max(1.0 - loss.a, 0.1), 0.0, 1.0); }
+
+// Light with the casters over light without.
 vec3 contact_shadow(vec2 surface_m) {
-    return max(vec3(0.0), 1.0 - shadow_loss(shadow_fine, shadow_fine_rectangle_m, surface_m)
-                              - shadow_loss(shadow_far, shadow_far_rectangle_m, surface_m));
+    return light_left(shadow_loss(shadow_fine, shadow_fine_rectangle_m, surface_m) +
+                      shadow_loss(shadow_far, shadow_far_rectangle_m, surface_m));
+}
+
+// The mean of its channels at the nearest texels, for one look-up of many.
+float contact_shadow_nearest(vec2 surface_m) {
+    return dot(light_left(shadow_loss_nearest(shadow_fine, shadow_fine_rectangle_m, surface_m) +
+                          shadow_loss_nearest(shadow_far, shadow_far_rectangle_m, surface_m)), vec3(1.0 / 3.0));
 }

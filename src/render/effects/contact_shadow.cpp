@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "core/transfer.h"
 #include "gl/framebuffer.h"
 
 namespace matchlight {
@@ -49,6 +51,7 @@ Eigen::AlignedBox2d flattened(const Eigen::AlignedBox3d& bounds_m, double surfac
 struct ShadowLight {
     Eigen::Vector3d direction;
     Eigen::Vector3d share;
+    double returned = 0;  // share that a white caster sends back instead
 };
 
 /// The texels that a part of the rectangle can touch.
@@ -103,8 +106,10 @@ ShadowMap draw_map(ShaderLibrary& shaders, const ShadowCasters& casters, double 
         flatten.use();
         std::array<Eigen::Vector3f, 4> lost_share;
         lost_share.fill(Eigen::Vector3f::Zero());
+        Eigen::Vector4f returned_share = Eigen::Vector4f::Zero();
         for (std::size_t channel = 0; channel < batch.size(); ++channel) {
             lost_share[channel] = batch[channel].share.cast<float>();
+            returned_share[static_cast<int>(channel)] = static_cast<float>(batch[channel].returned);
             glColorMask(channel == 0, channel == 1, channel == 2, channel == 3);
             flatten.set("direction_to_light", Eigen::Vector3f(batch[channel].direction.cast<float>()));
             casters.draw(flatten);
@@ -118,6 +123,7 @@ ShadowMap draw_map(ShaderLibrary& shaders, const ShadowCasters& casters, double 
         accumulate.use();
         accumulate.bind_texture("masks", 0, masks);
         accumulate.set("lost_share", std::span<const Eigen::Vector3f>(lost_share));
+        accumulate.set("returned_share", returned_share);
         triangle.draw();
         glDisable(GL_BLEND);
     }
@@ -165,10 +171,27 @@ Eigen::AlignedBox2d contact_shadow_reach(const Eigen::AlignedBox3d& caster_bound
     return reach;
 }
 
+SurfaceLight make_surface_light(const Probe& probe, double z_m, int directions) {
+    SurfaceLight surface;
+    surface.z_m = z_m;
+    surface.samples = sample_directions(probe, directions, 0, true);
+    const Eigen::Vector3d from_above = irradiance(probe, Eigen::Vector3d::UnitZ());
+    // Seen from the probe the surface fills the lower half: its mean radiance is the irradiance from below over π.
+    const Eigen::Vector3d radiance = irradiance(probe, -Eigen::Vector3d::UnitZ()) / std::numbers::pi;
+    const double light = luminance_rec709(from_above.x(), from_above.y(), from_above.z());
+    if (light > 0) {
+        const double albedo_over_pi = luminance_rec709(radiance.x(), radiance.y(), radiance.z()) / light;
+        // No surface sends back more than it gets; what lies lower than the probe may be lit better than the surface.
+        surface.radiance_per_irradiance = std::min(albedo_over_pi, 1 / std::numbers::pi);
+    }
+    return surface;
+}
+
 std::optional<ContactShadow> make_contact_shadow(ShaderLibrary& shaders, const ShadowCasters& casters,
-                                                 double surface_z_m, const std::vector<DirectionalSample>& samples,
-                                                 const ContactShadowSettings& settings) {
+                                                 const SurfaceLight& surface, const ContactShadowSettings& settings) {
     settings.check();
+    const double surface_z_m = surface.z_m;
+    const std::vector<DirectionalSample>& samples = surface.samples;
     if (casters.bounds_m.isEmpty() || casters.bounds_m.max().z() <= surface_z_m) return std::nullopt;
     const Eigen::AlignedBox2d reach = contact_shadow_reach(casters.bounds_m, surface_z_m, samples, settings.lost_share);
     if (reach.isEmpty()) return std::nullopt;
@@ -184,7 +207,8 @@ std::optional<ContactShadow> make_contact_shadow(ShaderLibrary& shaders, const S
     std::vector<ShadowLight> steep, flat;
     for (const DirectionalSample& sample : samples) {
         if (sample.direction.z() <= 0) continue;
-        const ShadowLight light{sample.direction, irradiance_of(sample).cwiseQuotient(total.cwiseMax(1e-300))};
+        const ShadowLight light{sample.direction, irradiance_of(sample).cwiseQuotient(total.cwiseMax(1e-300)),
+                                surface.radiance_per_irradiance * sample.solid_angle_sr * sample.direction.z()};
         if (!(light.share.maxCoeff() > 0)) continue;
         const bool within = feet.contains(flattened(casters.bounds_m, surface_z_m, sample.direction));
         (within ? steep : flat).push_back(light);

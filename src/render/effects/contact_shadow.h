@@ -38,14 +38,14 @@ struct ShadowCasters {
     std::function<void(Program&)> draw;
 };
 
-/// The RGB share of the surface's light that the casters take away, over a rectangle of the surface (world x, y); row 0
-/// holds the smallest y.
+/// What the casters take away of the surface's light (RGB share) and return of it (alpha), over a rectangle of the
+/// surface (world x, y); row 0 holds the smallest y.
 struct ShadowMap {
     Texture2D loss;  // RGBA32F
     Eigen::AlignedBox2d rectangle_m;
 };
 
-/// The whole shadow is 1 − fine − far: the fine map holds the steep directions' shadows, close around the casters'
+/// The whole shadow is the sum of two maps: the fine map holds the steep directions' shadows, close around the casters'
 /// feet, the far map the flat ones', as far as they reach.
 struct ContactShadow {
     ShadowMap fine, far;
@@ -55,12 +55,21 @@ struct ContactShadow {
     void bind(Program& program, GLuint first_unit) const;
 };
 
-/// The shadow of `casters` on the surface at height `surface_z_m`, drawn once: static casters under static light need
-/// no other. `samples` cover the hemisphere above the surface. Nullopt where no caster rises above the surface or no
-/// light comes from above: there the ratio is 1 by definition.
+/// The real surface and its light.
+struct SurfaceLight {
+    double z_m = 0;
+    std::vector<DirectionalSample> samples;  // of the hemisphere above it
+    /// What it sends back of its light, unshadowed, luminance over that of its irradiance (1/sr): its albedo over π, as
+    /// the probe sees it from above. Casters return a part of it; 0 makes them black.
+    double radiance_per_irradiance = 0;
+};
+/// From a placed probe: the light from above in `directions` strata, and the lower half as the surface's radiance.
+SurfaceLight make_surface_light(const Probe& probe, double z_m, int directions);
+
+/// The shadow of `casters` on the surface, drawn once: static casters under static light need no other. Nullopt where no
+/// caster rises above the surface or no light comes from above: there the ratio is 1 by definition.
 std::optional<ContactShadow> make_contact_shadow(ShaderLibrary& shaders, const ShadowCasters& casters,
-                                                 double surface_z_m, const std::vector<DirectionalSample>& samples,
-                                                 const ContactShadowSettings& settings);
+                                                 const SurfaceLight& surface, const ContactShadowSettings& settings);
 
 /// The rectangle of the surface outside which the casters block less than `lost_share` of its light.
 Eigen::AlignedBox2d contact_shadow_reach(const Eigen::AlignedBox3d& caster_bounds_m, double surface_z_m,

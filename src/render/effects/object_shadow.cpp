@@ -1,7 +1,8 @@
 // One depth map a direction, all of the same size around the casters' bounding sphere.
 #include "render/effects/object_shadow.h"
 
-#include <cmath>
+#include <array>
+#include <span>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -10,9 +11,27 @@
 
 namespace matchlight {
 
+namespace {
+
+/// As std140 lays out the block of object_shadow.glsl.
+struct DirectionOfLight {
+    std::array<float, 4> to_light, light, axis_u, axis_v;
+};
+
+/// The binding point that object_shadow.glsl names.
+constexpr GLuint uniform_block = 0;
+/// As many as the smallest uniform block that OpenGL 4.5 promises (16 KiB) holds.
+constexpr int most_directions = 16384 / sizeof(DirectionOfLight);
+
+std::array<float, 4> four(const Eigen::Vector3d& v) {
+    return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
+}
+
+}  // namespace
+
 void ObjectShadowSettings::check() const {
-    if (directions < 0 || directions > 1024) {
-        throw std::invalid_argument(fmt::format("object shadow: directions must be 0..1024, not {}", directions));
+    if (directions < 0 || directions > most_directions) {
+        throw std::invalid_argument(fmt::format("object shadow: directions must be 0..256, not {}", directions));
     }
     if (resolution < 16 || resolution > 2048) {
         throw std::invalid_argument(fmt::format("object shadow: resolution must be 16..2048, not {}", resolution));
@@ -28,7 +47,7 @@ ObjectShadow::ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters,
     settings.check();
     depth_ = Texture2D(
         {.format = GL_DEPTH_COMPONENT32F, .width = resolution_, .height = resolution_, .layers = directions_});
-    ImageF lights(directions_, 4, 4);
+    std::vector<DirectionOfLight> lights;
     Program& program = shaders.program({{GL_VERTEX_SHADER, "effects/object_shadow/depth.vert"},
                                         {GL_FRAGMENT_SHADER, "effects/object_shadow/depth.frag"}});
     program.use();
@@ -50,21 +69,16 @@ ObjectShadow::ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters,
         program.set("axis_u", Eigen::Vector3f(axis_u.cast<float>()));
         program.set("axis_v", Eigen::Vector3f(axis_v.cast<float>()));
         casters.draw(program);
-        for (int c = 0; c < 3; ++c) {
-            lights.at(i, 0, c) = static_cast<float>(to_light[c]);
-            lights.at(i, 1, c) = static_cast<float>(samples[i].radiance_times_solid_angle[c]);
-            lights.at(i, 2, c) = static_cast<float>(axis_u[c]);
-            lights.at(i, 3, c) = static_cast<float>(axis_v[c]);
-        }
+        lights.push_back({four(to_light), four(samples[i].radiance_times_solid_angle), four(axis_u), four(axis_v)});
     }
     glDisable(GL_DEPTH_TEST);
-    lights_ = Texture2D({.format = GL_RGBA32F, .width = directions_, .height = 4});
-    lights_.upload(lights);
+    lights_ = Buffer(std::span<const DirectionOfLight>(lights));
 }
 
-void ObjectShadow::bind(Program& program, GLuint first_unit) const {
-    program.bind_texture("object_shadow_depth", first_unit, depth_);
-    program.bind_texture("object_shadow_lights", first_unit + 1, lights_);
+void ObjectShadow::bind(Program& program, GLuint unit) const {
+    program.bind_texture("object_shadow_depth", unit, depth_);
+    lights_.bind(GL_UNIFORM_BUFFER, uniform_block);
+    program.set("object_shadow_count", directions_);
     program.set("object_shadow_centre_m", Eigen::Vector3f(centre_m_.cast<float>()));
     program.set("object_shadow_radius_m", radius_m_);
 }

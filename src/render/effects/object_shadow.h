@@ -20,7 +20,7 @@
 namespace matchlight {
 
 struct ObjectShadowSettings {
-    int directions = 64;   // strata over the whole sphere, 1..1024; 0 = objects cast nothing on objects
+    int directions = 64;   // strata over the whole sphere, 1..256; 0 = objects cast nothing on objects
     int resolution = 256;  // texels along each side of a direction's map, 16..2048
 
     /// Throws std::invalid_argument naming the value that is out of range.
@@ -33,14 +33,14 @@ public:
     ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters, const std::vector<DirectionalSample>& samples,
                  const ObjectShadowSettings& settings);
 
-    /// Sets the uniforms of effects/object_shadow/object_shadow.glsl; takes two texture units from `first_unit` on.
-    void bind(Program& program, GLuint first_unit) const;
+    /// Sets the uniforms of effects/object_shadow/object_shadow.glsl; takes one texture unit.
+    void bind(Program& program, GLuint unit) const;
 
     int directions() const { return directions_; }
 
 private:
-    Texture2D depth_;   // an array, one layer a direction: height towards the light, 0..1 over the bounding sphere
-    Texture2D lights_;  // one column a direction: towards the light, its light, the map's two axes
+    Texture2D depth_;  // an array, one layer a direction: height towards the light, 0..1 over the bounding sphere
+    Buffer lights_;    // a direction: towards the light, its light, the map's two axes
     Eigen::Vector3d centre_m_ = Eigen::Vector3d::Zero();
     double radius_m_ = 0;
     int directions_ = 0;

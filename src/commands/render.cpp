@@ -1,0 +1,191 @@
+// `matchlight render`: composites a tracked clip into a video or a sequence of pictures.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "commands/command.h"
+#include "commands/frame_range.h"
+#include "commands/result.h"
+#include "compositor/compositor.h"
+#include "compositor/frame_output.h"
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/progress.h"
+#include "core/stop.h"
+#include "core/version.h"
+#include "gl/context.h"
+#include "media/frame_source.h"
+#include "media/image_io.h"
+#include "scene/footage_options.h"
+#include "scene/scene_file.h"
+#include "tracking/solve_file.h"
+
+namespace matchlight {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct RenderArguments {
+    std::string scene;
+    std::string output;
+    std::string touched_masks;
+    std::optional<QualityLevel> level;
+    FrameRange frames;
+    std::int64_t first_number = 0;
+    bool overwrite = false;
+    bool strict = false;
+};
+
+Solve load_matching_solve(const Scene& scene, Warnings& warnings) {
+    const fs::path& path = scene.footage.solve;
+    if (!fs::exists(path)) {
+        throw InputError(path, "no such solve file", fmt::format("run: matchlight track {}", scene.path.string()));
+    }
+    Solve solve = load_solve(path);
+    const fs::path solved_footage = fs::path(solve.footage_file).filename();
+    if (solved_footage != scene.footage.video.filename()) {
+        warnings.add(fmt::format("{}: was made from '{}', the scene names '{}'", path.string(), solved_footage.string(),
+                                 scene.footage.video.filename().string()));
+    }
+    return solve;
+}
+
+void refuse_input_as_output(const fs::path& output, const Scene& scene) {
+    std::vector<fs::path> inputs{scene.path, scene.footage.video, scene.footage.camera, scene.footage.solve};
+    if (scene.probe) inputs.push_back(scene.probe->path);
+    for (const ObjectSettings& object : scene.objects) inputs.push_back(object.model);
+    for (const fs::path& input : inputs) {
+        std::error_code ignored;
+        if (!input.empty() && (fs::equivalent(output, input, ignored) ||
+                               fs::weakly_canonical(output, ignored) == fs::weakly_canonical(input, ignored))) {
+            throw InputError(output, "is an input of this render", "name another output");
+        }
+    }
+}
+
+/// A picture sequence that exists already is found before the first frame is drawn, not in the middle.
+void check_pictures(const RenderArguments& arguments, const FootageInfo& footage) {
+    if (arguments.overwrite || output_kind(arguments.output) == OutputKind::video) return;
+    const std::int64_t end = arguments.frames.last ? *arguments.frames.last + 1 : footage.declared_frames;
+    for (std::int64_t frame = arguments.frames.first; frame < end; ++frame) {
+        check_output(numbered(arguments.output, frame + arguments.first_number), false);
+    }
+}
+
+Image8 whole_frame_mask(const CompositedFrame& frame) {
+    Image8 mask(frame.plate.format().width, frame.plate.format().height, 1);
+    for (int y = 0; y < frame.reach.height; ++y) {
+        std::copy_n(frame.touched.pixel(0, y), frame.reach.width, mask.pixel(frame.reach.x, frame.reach.y + y));
+    }
+    return mask;
+}
+
+nlohmann::json frame_json(const CompositedFrame& frame) {
+    const Region& reach = frame.reach;
+    std::int64_t touched = 0;
+    for (const std::uint8_t pixel : frame.touched.samples()) touched += pixel != 0;
+    return {{"frame", frame.plate.index()},
+            {"time_s", frame.plate.time_s()},
+            {"reach", {{"x", reach.x}, {"y", reach.y}, {"width", reach.width}, {"height", reach.height}}},
+            {"touched_pixels", touched}};
+}
+
+void render(const RenderArguments& arguments, CommandContext& context) {
+    const auto start = std::chrono::steady_clock::now();
+    Warnings& warnings = context.warnings;
+    Scene scene = load_scene(arguments.scene, warnings);
+    if (arguments.level) scene.quality = *arguments.level;
+    refuse_input_as_output(arguments.output, scene);
+    const Solve solve = load_matching_solve(scene, warnings);
+    const std::unique_ptr<FrameSource> source =
+        FrameSource::open(scene.footage.video, footage_options(scene.footage, arguments.strict), warnings);
+
+    const OutputRequest request{.path = arguments.output,
+                                .settings = scene.output,
+                                .overwrite = arguments.overwrite,
+                                .first_number = arguments.first_number,
+                                .provenance = fmt::format("matchlight {}\n{}", version, scene.effective_toml)};
+    const OutputLock lock(request.path);
+    check_pictures(arguments, source->info());
+    const std::unique_ptr<FrameOutput> output = open_frame_output(request, source->info(), warnings);
+    const std::unique_ptr<GlContext> gl = create_offscreen_context();
+    Compositor compositor(*gl, scene, solve, {.quality = scene.quality, .layers = output->needs_layers()}, warnings);
+
+    const std::int64_t declared = source->info().declared_frames;
+    const std::int64_t end = arguments.frames.last ? *arguments.frames.last + 1 : declared;
+    if (arguments.frames.first > 0) source->seek(arguments.frames.first);
+    nlohmann::json frames = nlohmann::json::array();
+    std::int64_t without_pose = 0;
+    {
+        Progress progress("render", std::max<std::int64_t>(0, end - arguments.frames.first), context.quiet);
+        while (std::optional<PlateFrame> plate = source->next()) {
+            if (arguments.frames.is_past(plate->index())) break;
+            const SolvedFrame* solved = solve.find(plate->index());
+            if (solved == nullptr || !solved->camera_from_world) ++without_pose;
+            const CompositedFrame frame = compositor.composite(std::move(*plate));
+            output->write(frame, compositor);
+            if (!arguments.touched_masks.empty()) {
+                write_png8(numbered(arguments.touched_masks, frame.plate.index() + arguments.first_number),
+                           whole_frame_mask(frame));
+            }
+            frames.push_back(frame_json(frame));
+            progress.advance();
+            if (stop_requested()) {
+                throw InputError(request.path, frame.plate.index(), "stopped by a signal after this frame");
+            }
+        }
+    }
+    if (frames.empty()) {
+        throw InputError(scene.footage.video, fmt::format("has no frame {} to render", arguments.frames.first));
+    }
+    output->finish();
+    if (without_pose > 0) {
+        warnings.add(fmt::format("{}: {} of {} frames have no pose and show the plate alone",
+                                 scene.footage.video.string(), without_pose, frames.size()));
+    }
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::string text = fmt::format("{}: {} frames in {:.1f} s", request.path.string(), frames.size(), seconds);
+    print_result(context,
+                 {{"output", request.path.string()}, {"seconds", seconds}, {"without_pose", without_pose},
+                  {"frames", std::move(frames)}},
+                 text);
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, CommandContext& context) {
+    CLI::App* command = app.add_subcommand("render", "Composite the scene's objects into its footage");
+    const auto arguments = std::make_shared<RenderArguments>();
+    command->add_option("scene", arguments->scene, "Scene file")->required()->type_name("SCENE.toml");
+    command
+        ->add_option("-o,--output", arguments->output,
+                     "Video (.mp4, .mov, .mkv) or pictures (out_%04d.png, out_%04d.exr)")
+        ->required()
+        ->type_name("OUT");
+    add_frames_option(*command, arguments->frames);
+    command->add_flag("--overwrite", arguments->overwrite, "Replace what exists under the output's name");
+    command->add_option("--first", arguments->first_number, "Number of frame 0 in picture names (0)")
+        ->check(CLI::NonNegativeNumber);
+    command->add_option("--level", arguments->level, "Quality, instead of the scene's")
+        ->transform(CLI::CheckedTransformer(std::map<std::string, QualityLevel>{{"draft", QualityLevel::draft},
+                                                                               {"preview", QualityLevel::preview},
+                                                                               {"final", QualityLevel::final_},
+                                                                               {"reference", QualityLevel::reference}}));
+    command->add_option("--touched", arguments->touched_masks,
+                        "Also write a mask a frame: white where a pixel is no longer the plate's (touched_%04d.png)");
+    command->add_flag("--strict", arguments->strict, "Damaged or truncated footage is an error, not a warning");
+    command->add_flag_callback(
+        "--help-scene",
+        [] {
+            fmt::print("{}\n", scene_schema_text());
+            throw CLI::Success();
+        },
+        "Print every key of the scene file, and exit");
+    command->callback([arguments, &context] { render(*arguments, context); });
+}
+
+}  // namespace matchlight
