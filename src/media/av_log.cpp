@@ -48,6 +48,11 @@ void AvLog::add(const std::string& message) {
     first_error_ = message.substr(0, message.find('\n'));
 }
 
+bool AvLog::has_errors() {
+    const std::lock_guard lock(mutex_);
+    return !first_error_.empty();
+}
+
 std::string AvLog::take_cause() {
     const std::lock_guard lock(mutex_);
     std::string cause = std::exchange(first_error_, {});

@@ -13,6 +13,7 @@ public:
     static void install();
 
     void add(const std::string& message);
+    bool has_errors();
     /// The first error since the last call, as " (text)"; empty where there was none.
     std::string take_cause();
 

@@ -149,6 +149,11 @@ bool VideoFile::read(AVPacket& packet) {
     constexpr int patience = 64;
     for (int errors = 0; errors < patience; ++errors) {
         const int status = av_read_frame(container_.get(), &packet);
+        // The last packet of a cut file is a piece of a frame.
+        if (status >= 0 && (packet.flags & AV_PKT_FLAG_CORRUPT) != 0 && avio_feof(container_->pb) != 0) {
+            av_packet_unref(&packet);
+            return false;
+        }
         if (status >= 0) return true;
         if (status == AVERROR_EOF) return false;
     }

@@ -170,6 +170,9 @@ void VideoSink::Impl::set_codec_options() {
             check(av_opt_set(own, "preset", options.preset.c_str(), 0), "preset");
             // At 10 bits crf 0 is not lossless in x264, qp 0 always is.
             check(av_opt_set_int(own, crf == 0 ? "qp" : "crf", crf, 0), "crf");
+            // x264's macroblock tree works on rows of eight macroblocks at a time and reads past the end of others, so
+            // that its choices hang on leftover memory (build 164, measured: files differ from run to run).
+            if ((encoder->width + 15) / 16 % 8 != 0) check(av_opt_set_int(own, "mbtree", 0, 0), "mbtree");
             break;
         case VideoCodec::h265: {
             check(av_opt_set(own, "preset", options.preset.c_str(), 0), "preset");
@@ -253,6 +256,12 @@ void VideoSink::Impl::encode(std::shared_ptr<AVFrame> frame, std::int64_t index)
     frame->pts -= shift;
     frame->pict_type = AV_PICTURE_TYPE_NONE;  // the encoder chooses, not the footage's
     frame->key_frame = 0;
+    // ProRes takes its tags from the frames.
+    frame->color_primaries = encoder->color_primaries;
+    frame->color_trc = encoder->color_trc;
+    frame->colorspace = encoder->colorspace;
+    frame->color_range = encoder->color_range;
+    frame->chroma_location = encoder->chroma_sample_location;
     check(avcodec_send_frame(encoder.get(), frame.get()), "cannot be encoded");
     receive_packets();
 }

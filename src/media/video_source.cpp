@@ -77,7 +77,7 @@ VideoSource::VideoSource(const fs::path& path, const FootageOptions& options, Wa
     read_index();
     restart();
     ready_ = decode_plate();
-    if (!ready_) throw InputError(path_, "no frame of it can be decoded" + file_->log().take_cause(), export_again);
+    if (!ready_) throw InputError(path_, "no frame of it can be decoded" + decoder_log_.take_cause(), export_again);
     describe(*ready_);
 }
 
@@ -113,7 +113,7 @@ void VideoSource::open_decoder() {
                          "convert it to H.264");
     decoder_ = owned(avcodec_alloc_context3(codec));
     int status = avcodec_parameters_to_context(decoder_.get(), &parameters);
-    decoder_->opaque = &file_->log();
+    decoder_->opaque = &decoder_log_;
     decoder_->pkt_timebase = file_->video().time_base;
     decoder_->thread_count = 0;
     decoder_->max_pixels = max_image_pixels;
@@ -123,7 +123,7 @@ void VideoSource::open_decoder() {
     if (status >= 0) status = avcodec_open2(decoder_.get(), codec, nullptr);
     if (status < 0)
         throw InputError(path_, fmt::format("its {} decoder cannot be opened ({}){}", codec->name,
-                                            av_error_text(status), file_->log().take_cause()));
+                                            av_error_text(status), decoder_log_.take_cause()));
 }
 
 void VideoSource::restart() {
@@ -204,14 +204,15 @@ std::shared_ptr<AVFrame> VideoSource::decode() {
 
 void VideoSource::damaged(const std::string& cause) {
     const std::string text = "a damaged frame";
-    if (options_.strict)
-        throw InputError(path_, next_index_, text + ": " + cause + file_->log().take_cause(), export_again);
-    file_->log().take_cause();
+    const std::string detail = decoder_log_.take_cause();
+    if (options_.strict) throw InputError(path_, next_index_, text + ": " + cause + detail, export_again);
     warnings_.add(path_.string() + ": " + text);
 }
 
 void VideoSource::note_condition(const AVFrame& frame) {
-    if (frame.decode_error_flags != 0 || (frame.flags & AV_FRAME_FLAG_CORRUPT) != 0)
+    // Not every decoder flags what it conceals; H.265's only logs it. With several threads an error may be counted at
+    // a neighbour of the frame it belongs to.
+    if (frame.decode_error_flags != 0 || (frame.flags & AV_FRAME_FLAG_CORRUPT) != 0 || decoder_log_.has_errors())
         damaged("the decoder filled in what it could not read");
     if (frame.interlaced_frame != 0)
         warnings_.add(path_.string() + ": an interlaced frame is taken as a whole picture; deinterlace the clip first");

@@ -42,6 +42,7 @@ private:
     Warnings& warnings_;
     FootageInfo info_;
     std::unique_ptr<VideoFile> file_;
+    AvLog decoder_log_;  // before the decoder, which points to it
     AvPointer<AVCodecContext> decoder_;
     AvPointer<AVPacket> packet_;
     PacketIndex index_;

@@ -2,11 +2,10 @@
 #include "media/image_io.h"
 
 #include <cmath>
-#include <csignal>
 
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 
+#include "file_size_limit.h"
 #include "scratch_folder.h"
 
 namespace matchlight {
@@ -104,26 +103,6 @@ TEST_F(ImageIo, NamesOfSequences) {
     for (const char* bad : {"a%4d.png", "a%s.png", "a%04d_%04d.png", "a%099d.png", "a%0d.png"})
         EXPECT_THROW(numbered(bad, 0), InputError) << bad;
 }
-
-/// Caps the size of files this process may write: the system's own way to refuse a write part-way, as a full disk does.
-class FileSizeLimit {
-public:
-    explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-        getrlimit(RLIMIT_FSIZE, &before_);
-        const rlimit limited{bytes, before_.rlim_max};
-        setrlimit(RLIMIT_FSIZE, &limited);
-    }
-    ~FileSizeLimit() {
-        setrlimit(RLIMIT_FSIZE, &before_);
-        std::signal(SIGXFSZ, handler_);
-    }
-    FileSizeLimit(const FileSizeLimit&) = delete;
-    FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
-private:
-    rlimit before_{};
-    void (*handler_)(int);
-};
 
 TEST_F(ImageIo, AFileTheDiskRefusesIsAnErrorAndLeavesNothing) {
     Image8 noise(200, 200, 3);

@@ -145,6 +145,21 @@ std::shared_ptr<AVFrame> test_samples(const TestClip& clip, int index) {
     return frame;
 }
 
+bool same_samples(const AVFrame& a, const AVFrame& b) {
+    const SampleLayout la = *SampleLayout::of(static_cast<AVPixelFormat>(a.format));
+    const SampleLayout lb = *SampleLayout::of(static_cast<AVPixelFormat>(b.format));
+    if (!la.same_colours(lb) || a.width != b.width || a.height != b.height) return false;
+    std::vector<std::uint16_t> ra(static_cast<std::size_t>(a.width)), rb(ra.size());
+    for (int c = 0; c < la.colours + (la.has_alpha && lb.has_alpha ? 1 : 0); ++c) {
+        for (int y = 0; y < la.height_of(c, a); ++y) {
+            read_samples(la, a, {c, 0, y, la.width_of(c, a)}, ra.data());
+            read_samples(lb, b, {c, 0, y, la.width_of(c, a)}, rb.data());
+            if (!std::equal(ra.begin(), ra.begin() + la.width_of(c, a), rb.begin())) return false;
+        }
+    }
+    return true;
+}
+
 void write_clip(const TestClip& clip, const std::filesystem::path& path) {
     av_log_set_level(AV_LOG_QUIET);
     AVFormatContext* container = nullptr;

@@ -45,6 +45,9 @@ struct TestClip {
 /// The samples of frame `index` of a clip: a moving pattern with some noise, the same on every machine.
 std::shared_ptr<AVFrame> test_samples(const TestClip& clip, int index);
 
+/// Equal size and equal samples, in whatever layout they are kept; alpha where both have it.
+bool same_samples(const AVFrame& a, const AVFrame& b);
+
 /// Writes the clip; asserts (gtest) that the libraries do their part.
 void write_clip(const TestClip& clip, const std::filesystem::path& path);
 
