@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "media/image_io.h"
 
 namespace matchlight {
 namespace {
@@ -158,10 +159,8 @@ SettingValue read_setting(const SceneSource& source, const Setting& setting, con
             break;
         case SettingKind::footage:
             value.path = path_of(source, setting, node);
-            // A numbered sequence is looked for by the code that opens it; a real file may have a % in its name too.
-            if (value.path.filename().string().find('%') == std::string::npos) {
-                check_input_file(source, setting, node, value.path);
-            }
+            // The files of a numbered sequence are looked for where they are opened.
+            if (!is_pattern(value.path)) check_input_file(source, setting, node, value.path);
             break;
         case SettingKind::any_file:
             value.path = path_of(source, setting, node);

@@ -80,11 +80,14 @@ void add_box(ModelMesh& mesh) {
     const Vector3d y = Vector3d::UnitY();
     const Vector3d z = Vector3d::UnitZ();
     // Right and up of each side as seen from outside; their cross product points out.
-    const std::pair<Vector3d, Vector3d> sides[] = {{x, z}, {y, z}, {-x, z}, {-y, z}, {x, y}, {x, -y}};
-    for (const auto& [right, up] : sides) {
+    struct Side {
+        Vector3d right, up;
+    };
+    const Side sides[] = {{x, z}, {y, z}, {-x, z}, {-y, z}, {x, y}, {x, -y}};
+    for (const Side& side : sides) {
         add_surface(mesh, 1, 1, [&](double u, double v) {
-            const Vector3d out = right.cross(up);
-            return SurfacePoint{out / 2 + right * (u - 0.5) + up * (0.5 - v), out, {u, v}};
+            const Vector3d out = side.right.cross(side.up);
+            return SurfacePoint{out / 2 + side.right * (u - 0.5) + side.up * (0.5 - v), out, {u, v}};
         });
     }
 }

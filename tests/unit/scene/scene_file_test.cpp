@@ -182,6 +182,16 @@ audio = false
     EXPECT_EQ(load(scene.effective_toml).effective_toml, scene.effective_toml);
 }
 
+TEST(SampleScene, Loads) {
+    Warnings warnings;
+    warnings.set_quiet(true);
+    const Scene scene = load_scene(std::string(MATCHLIGHT_SOURCE_DIR) + "/samples/table/table.toml", warnings);
+    EXPECT_TRUE(warnings.empty());
+    EXPECT_EQ(scene.tags.rig.size(), 4u);
+    EXPECT_EQ(scene.objects.size(), 1u);
+    EXPECT_TRUE(scene.probe && scene.probe->place_m);
+}
+
 TEST_F(SceneFile, EffectiveSettingsHoldTheDefaults) {
     const std::string effective = load(std::string(footage_and_tags) + "[[object]]\nshape = \"box\"\n").effective_toml;
     EXPECT_THAT(effective, HasSubstr("family = \"tag36h11\""));
@@ -274,6 +284,7 @@ TEST_F(SceneFile, MissingFilesAreNamed) {
               "scene.toml:2: 'video' in [footage]: there is no file 'no.mp4'");
     EXPECT_THAT(error_of("[footage]\nvideo = \"clip.mp4\"\ncamera = \"no.yaml\"\n"),
                 HasSubstr("scene.toml:3: 'camera' in [footage]: there is no file 'no.yaml'"));
+    EXPECT_THAT(error_of("[footage]\nvideo = \"100%.mp4\"\ncamera = \"camera.yaml\"\n"), HasSubstr("there is no file"));
     EXPECT_THAT(error_of("[footage]\nvideo = \"clip.mp4\"\n"), HasSubstr("'camera' is missing in [footage]"));
     EXPECT_THAT(error_after("[light]\nprobe = \"no.exr\"\n"),
                 HasSubstr("'probe' in [light]: there is no file 'no.exr'"));
