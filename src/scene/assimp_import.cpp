@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include <assimp/BaseImporter.h>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/MemoryIOWrapper.h>
@@ -59,7 +60,9 @@ void keep_one_loader(Assimp::Importer& importer, const std::string& entry) {
                                                         {".stl", "Stereolithography (STL) Importer"}};
     const std::string& wanted = loaders.at(entry.substr(entry.rfind('.')));
     for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
-        if (importer.GetImporterInfo(i)->mName != wanted) importer.UnregisterLoader(importer.GetImporter(i));
+        if (importer.GetImporterInfo(i)->mName == wanted) continue;
+        const std::unique_ptr<Assimp::BaseImporter> other(importer.GetImporter(i));
+        importer.UnregisterLoader(other.get());  // and leaves it to the caller
     }
 }
 

@@ -414,7 +414,7 @@ TEST_F(GltfModel, DataUrisAreRead) {
 TEST_F(GltfModel, WhatIsLeftOutIsSaid) {
     GltfBuilder builder = GltfBuilder::triangle();
     builder.root["extensionsUsed"] = {"KHR_materials_clearcoat"};
-    builder.root["animations"] = {json::object()};
+    builder.root["animations"] = json::array({json::object()});
     load(builder);
     EXPECT_THAT(all_warnings(), HasSubstr("its extension KHR_materials_clearcoat is left out"));
     EXPECT_THAT(all_warnings(), HasSubstr("its animations are left out"));
