@@ -22,10 +22,4 @@ int latlong_height_for(const ProbeLayout& layout);
 /// The side of a `to` image (as in layout_of_size) that holds what a lat-long map of `latlong_height` rows shows.
 int size_for_latlong(ProbeMapping to, int latlong_height);
 
-/// Mirror-ball image for the classic sphere-map lookup of a world reflection vector r: with rx = r.x, ry = r.z and
-/// rz = r.y (the middle looks along world +y), m = 2·sqrt(rx² + ry² + (rz + 1)²), the texture coordinates from the
-/// lower left are (rx/m + ½, ry/m + ½). Beyond the rim the light from straight behind is continued, so that a filtered
-/// lookup never meets a border.
-ImageF mirror_ball_image(const Probe& probe, int size);
-
 }  // namespace matchlight
