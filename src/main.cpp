@@ -19,6 +19,7 @@ using matchlight::CommandContext;
 using AddCommand = void (*)(CLI::App&, CommandContext&);
 const std::vector<AddCommand> command_table = {
     // One line a command, in the order the help shows them.
+    matchlight::add_probe_command,
     matchlight::add_track_command,
     matchlight::add_render_command,
     matchlight::add_compare_command,

@@ -198,7 +198,7 @@ std::optional<CubeLayout> cube_layout_of_shape(int width, int height) {
 Vector2d pixel_from_direction(const ProbeLayout& layout, const Vector3d& direction) {
     if (layout.mapping == ProbeMapping::cube) return face_position(layout, direction).pixel;
     if (layout.mapping == ProbeMapping::latlong) {
-        const double polar = std::atan2(std::hypot(direction.x(), direction.y()), direction.z());
+        const double polar = std::atan2(direction.head<2>().norm(), direction.z());
         const double azimuth = std::atan2(direction.x(), direction.y());
         return {pixel_of(azimuth / (2 * pi) + 0.5, layout.width, layout.edge_centred),
                 pixel_of(polar / pi, layout.height, layout.edge_centred)};
@@ -248,7 +248,8 @@ double solid_angle_density(const ProbeLayout& layout, const Vector2d& pixel) {
         const CubeFace* face = face_at(layout, pixel);
         if (!face) return 0;
         const double step = 2 * fraction_step(layout.face_size(), layout.edge_centred);
-        return step * step / std::pow(1 + face_coordinates(layout, *face, pixel).squaredNorm(), 1.5);
+        const double distance2 = 1 + face_coordinates(layout, *face, pixel).squaredNorm();
+        return step * step / (distance2 * std::sqrt(distance2));
     }
     const double radius = disc_coordinates(layout, pixel).norm();
     if (radius > 1) return 0;

@@ -36,6 +36,7 @@ struct ProbeLayout {
     bool edge_centred = false;
 
     int face_size() const;  // of a cube, pixels
+    bool operator==(const ProbeLayout&) const = default;
 };
 
 /// The layout of `mapping` at its natural shape for `size`: the height of a lat-long map, the side of an angular or

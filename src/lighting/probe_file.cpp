@@ -69,12 +69,16 @@ bool shows_a_disc(const ImageF& image) {
     return background(corners) >= 0.8 && background(rim) <= 0.8;
 }
 
+std::string lower_case(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
 bool name_says_mirror_ball(const fs::path& path) {
     std::string letters;
-    for (const char c : path.stem().string()) {
-        if (std::isalnum(static_cast<unsigned char>(c))) {
-            letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        }
+    for (const char c : lower_case(path.stem().string())) {
+        if (std::isalnum(static_cast<unsigned char>(c))) letters += c;
     }
     return letters.find("mirrorball") != std::string::npos || letters.find("chromeball") != std::string::npos;
 }
@@ -165,7 +169,7 @@ void write_radiance_hdr(const fs::path& path, const ImageF& image) {
 
 ProbeImage read_probe_image(const fs::path& path, std::optional<ProbeMapping> mapping, Warnings& warnings) {
     ProbeImage probe;
-    probe.image = read_linear_rgb(path, warnings);
+    probe.image = read_linear_rgb(path, warnings, &probe.repairs);
     const auto envmap = exr_envmap(path);
     const Recognised recognised = recognise(path, probe.image, mapping, envmap);
     probe.layout = layout_as(path, probe.image, recognised.mapping);
@@ -187,24 +191,28 @@ ProbeImage read_probe_image(const fs::path& path, std::optional<ProbeMapping> ma
     return probe;
 }
 
-Probe load_probe(const fs::path& path, std::optional<ProbeMapping> mapping, Warnings& warnings) {
-    const ProbeImage file = read_probe_image(path, mapping, warnings);
-    // A lat-long map keeps its size; others are unwrapped to at most 8192 × 4096 (400 MB).
-    constexpr int largest_unwrapped = 4096;
+Probe unwrapped(const ProbeImage& file) {
+    constexpr int largest_unwrapped = 4096;  // 400 MB
     int height = latlong_height_for(file.layout);
     if (file.layout.mapping != ProbeMapping::latlong) height = std::min(height, largest_unwrapped);
     return probe_from_image(file.image, file.layout, height);
 }
 
+Probe load_probe(const fs::path& path, std::optional<ProbeMapping> mapping, Warnings& warnings) {
+    return unwrapped(read_probe_image(path, mapping, warnings));
+}
+
+void require_probe_extension(const fs::path& path) {
+    const std::string extension = lower_case(path.extension().string());
+    if (extension != ".exr" && extension != ".hdr") throw InputError(path, "probes are written as .exr or .hdr");
+}
+
 void write_probe_image(const fs::path& path, const ImageF& image, const ProbeLayout& layout, ImageMetadata metadata) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (extension == ".hdr") {
+    require_probe_extension(path);
+    if (lower_case(path.extension().string()) == ".hdr") {
         write_radiance_hdr(path, image);
         return;
     }
-    if (extension != ".exr") throw InputError(path, "probes are written as .exr or .hdr");
     metadata[mapping_attribute] = name_of(layout.mapping);
     constexpr float half_max = 65504;
     const bool fits_half =

@@ -19,7 +19,8 @@ struct ProbeImage {
     ImageF image;  // RGB, no negative and no non-finite samples
     ProbeLayout layout;
     std::string recognised_by;  // "asked for", "envmap attribute", "mapping attribute", "shape", "shape and name"
-    std::int64_t negative_samples = 0;
+    SampleRepairs repairs;
+    std::int64_t negative_samples = 0;  // set to 0
 };
 
 /// Reads .hdr or .exr. The mapping is, in this order: the one given; OpenEXR's `envmap` attribute; the `mapping`
@@ -27,6 +28,13 @@ struct ProbeImage {
 /// or constant corners. A disc is taken as angular, because angular maps and mirror balls look alike, unless the file's
 /// name holds "mirrorball" or "chromeball" (in any case, with or without separators). Throws InputError.
 ProbeImage read_probe_image(const std::filesystem::path& path, std::optional<ProbeMapping> mapping, Warnings& warnings);
+
+/// The image as a lat-long probe: as it is where it has that layout, else unwrapped to what it holds, at most
+/// 8192 × 4096.
+Probe unwrapped(const ProbeImage& file);
+
+/// Throws InputError unless the name ends in .exr or .hdr.
+void require_probe_extension(const std::filesystem::path& path);
 
 /// Writes .exr (half where the radiance fits, else float) or .hdr by the file's extension, whole or not at all. The
 /// mapping is recorded in EXR files beside `metadata`. Throws InputError.

@@ -159,6 +159,7 @@ private:
 
 ImageF resample(const ImageF& source, const ProbeLayout& from, const ProbeLayout& to) {
     assert(source.width() == from.width && source.height() == from.height);
+    if (from == to) return source;
     const int channels = source.channels();
     assert(channels <= 4);
     const Overlaps overlaps(from, to);
@@ -202,10 +203,7 @@ ImageF image_from_probe(const Probe& probe, const ProbeLayout& to) {
 }
 
 Probe probe_from_image(const ImageF& image, const ProbeLayout& from, int height) {
-    const ProbeLayout latlong = layout_of_size(ProbeMapping::latlong, height);
-    const bool same = from.mapping == ProbeMapping::latlong && !from.edge_centred && from.width == latlong.width &&
-                      from.height == latlong.height;
-    return {same ? image : resample(image, from, latlong)};
+    return {resample(image, from, layout_of_size(ProbeMapping::latlong, height))};
 }
 
 int latlong_height_for(const ProbeLayout& layout) {

@@ -9,7 +9,7 @@ namespace matchlight {
 
 /// The picture `source` of layout `from` in layout `to`. Every pixel of the result is the mean, over the solid angle it
 /// covers, of the source's pixels (interpolated between where the source is coarser). Pixels of the result that show no
-/// direction are 0.
+/// direction are 0. The same layout gives the same pixels.
 ImageF resample(const ImageF& source, const ProbeLayout& from, const ProbeLayout& to);
 
 /// A probe in any layout, and a lat-long probe of `height` rows from any layout.

@@ -23,11 +23,19 @@ int picture_bit_depth(const std::filesystem::path& path);
 /// 1-channel mask: non-zero in any colour channel is inside (255), else 0.
 Image8 read_mask(const std::filesystem::path& path);
 
+/// How many samples of an image were no light.
+struct SampleRepairs {
+    std::int64_t not_a_number = 0;
+    std::int64_t infinite = 0;
+    std::int64_t beyond_half = 0;  // finite but above 65504: kept
+};
+
 /// Linear float RGB of .exr or .hdr (channels R, G, B by name, of the first part that has them, or Y; the data window
 /// is placed in the display window). NaN → 0 and ±Inf → ±65504, counted as warnings. Finite values beyond half range
 /// are kept (a sun of 1e5 is still light to integrate; whoever uploads to half floats clamps) but warned of. Limits are
 /// checked before allocating. Throws InputError: truncated, no RGB channels, absurd windows or channel counts, deep.
-ImageF read_linear_rgb(const std::filesystem::path& path, Warnings& warnings);
+/// Counts go to `repairs` where given.
+ImageF read_linear_rgb(const std::filesystem::path& path, Warnings& warnings, SampleRepairs* repairs = nullptr);
 
 /// Named channels of a part of an EXR file as they are stored, over the display window (0 outside the data window).
 /// Throws InputError when the part or a channel is missing.

@@ -120,30 +120,34 @@ ImageF read_radiance(const fs::path& path) {
     return image;
 }
 
-void repair(ImageF& image, const fs::path& path, Warnings& warnings) {
-    std::int64_t not_a_number = 0, infinite = 0, beyond_half = 0;
+SampleRepairs repair(ImageF& image, const fs::path& path, Warnings& warnings) {
+    SampleRepairs repairs;
     for (float& sample : image.samples()) {
         if (std::abs(sample) <= half_max) continue;  // false for NaN
         if (std::isnan(sample)) {
             sample = 0;
-            ++not_a_number;
+            ++repairs.not_a_number;
         } else if (std::isinf(sample)) {
             sample = std::copysign(half_max, sample);
-            ++infinite;
+            ++repairs.infinite;
         } else {
-            ++beyond_half;
+            ++repairs.beyond_half;
         }
     }
     const std::string name = path.string();
-    if (not_a_number > 0) warnings.add(fmt::format("{}: {} samples are NaN and were set to 0", name, not_a_number));
-    if (infinite > 0) warnings.add(fmt::format("{}: {} samples are infinite and were set to 65504", name, infinite));
-    if (beyond_half > 0)
-        warnings.add(fmt::format("{}: {} samples lie beyond 65504, which half floats cannot hold", name, beyond_half));
+    if (repairs.not_a_number > 0)
+        warnings.add(fmt::format("{}: {} samples are NaN and were set to 0", name, repairs.not_a_number));
+    if (repairs.infinite > 0)
+        warnings.add(fmt::format("{}: {} samples are infinite and were set to 65504", name, repairs.infinite));
+    if (repairs.beyond_half > 0)
+        warnings.add(
+            fmt::format("{}: {} samples lie beyond 65504, which half floats cannot hold", name, repairs.beyond_half));
+    return repairs;
 }
 
 }  // namespace
 
-ImageF read_linear_rgb(const fs::path& path, Warnings& warnings) {
+ImageF read_linear_rgb(const fs::path& path, Warnings& warnings, SampleRepairs* repairs) {
     const PictureFormat format = recognise_picture(path);
     ImageF image;
     if (format == PictureFormat::exr) {
@@ -153,7 +157,8 @@ ImageF read_linear_rgb(const fs::path& path, Warnings& warnings) {
     } else {
         throw InputError(path, "is neither EXR nor Radiance HDR", "give a file of scene-linear light");
     }
-    repair(image, path, warnings);
+    const SampleRepairs counted = repair(image, path, warnings);
+    if (repairs != nullptr) *repairs = counted;
     return image;
 }
 
