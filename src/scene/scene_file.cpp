@@ -25,6 +25,17 @@ constexpr std::size_t scene_limit_bytes = 16u << 20;
 const std::map<std::string, int, std::less<>> family_sizes = {
     {"tag36h11", 587}, {"tag25h9", 35}, {"tag16h5", 30}, {"tagStandard41h12", 2115}, {"tagCircle21h7", 38}};
 
+/// Calls `visit` with a table, or with each table of an array.
+template <class Visit>
+void for_each_table(const toml::node& node, const Visit& visit) {
+    if (const toml::table* table = node.as_table()) visit(*table);
+    if (const toml::array* array = node.as_array()) {
+        for (const toml::node& item : *array) {
+            if (const toml::table* table = item.as_table()) visit(*table);
+        }
+    }
+}
+
 class SceneReader {
 public:
     SceneReader(SceneSource source, Warnings& warnings) : source_(std::move(source)), warnings_(warnings) {}
@@ -75,6 +86,11 @@ void SceneReader::check_sections(const toml::table& root) {
             source_.fail(key, fmt::format("[{}]: this version cannot render a scene without footage", section->name),
                          "give [footage] with video and camera");
         }
+        // Before any value is read: a misspelt key is why another one is missing.
+        for_each_table(node, [&](const toml::table& table) {
+            const bool is_analytic_light = section->name == "light" && table.contains("type");
+            if (!is_analytic_light) check_keys(*section, table);
+        });
     }
 }
 
@@ -134,7 +150,12 @@ void SceneReader::check_keys(const SceneSection& section, const toml::table& tab
     }
     for (const auto& [key, node] : table) {
         const std::string_view word = key;
-        if (std::find(known.begin(), known.end(), word) != known.end()) continue;
+        if (std::find(known.begin(), known.end(), word) != known.end()) {
+            const SceneSection* nested = find_section(fmt::format("{}.{}", section.name, word));
+            if (nested == nullptr) continue;
+            for_each_table(node, [&](const toml::table& inner) { check_keys(*nested, inner); });
+            continue;
+        }
         std::string cure = fmt::format("did you mean '{}'?", nearest_word(word, known));
         for (const Setting& setting : scene_settings()) {
             if (setting.key == word) cure = fmt::format("it belongs in [{}]", setting.section);
@@ -144,7 +165,6 @@ void SceneReader::check_keys(const SceneSection& section, const toml::table& tab
 }
 
 std::vector<std::string> SceneReader::read_table(const SceneSection& section, const toml::table& table) {
-    check_keys(section, table);
     if (section.begin != nullptr) section.begin(scene_);
     std::vector<std::string> lines;
     for (const Setting& setting : scene_settings()) {
