@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace matchlight {
 namespace {
@@ -159,9 +160,87 @@ Vector2d kept_in_disc(const ProbeLayout& layout, const Vector2d& pixel) {
     return centre + offset * (reach / distance);
 }
 
+/// Solid angles of pixels, addressed as the image is.
+class SolidAngles {
+public:
+    explicit SolidAngles(const ProbeLayout& layout)
+        : width_(static_cast<std::size_t>(layout.width)), values_(width_ * static_cast<std::size_t>(layout.height)) {}
+    double& at(int x, int y) { return values_[static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x)]; }
+    std::vector<double> take() { return std::move(values_); }
+
+private:
+    std::size_t width_;
+    std::vector<double> values_;
+};
+
+/// The part 0..1 of an axis where a pixel's side at `pixel` ± ½ lies; outermost pixels centred on the edge are halves.
+double side(double pixel, int size, bool edge_centred) {
+    return std::clamp(fraction_of(pixel, size, edge_centred), 0.0, 1.0);
+}
+
+std::vector<double> latlong_solid_angles(const ProbeLayout& layout) {
+    SolidAngles result(layout);
+    for (int y = 0; y < layout.height; ++y) {
+        const double top = side(y - 0.5, layout.height, layout.edge_centred) * pi;
+        const double bottom = side(y + 0.5, layout.height, layout.edge_centred) * pi;
+        const double band = 2 * std::sin((top + bottom) / 2) * std::sin((bottom - top) / 2);
+        for (int x = 0; x < layout.width; ++x) {
+            const double left = side(x - 0.5, layout.width, layout.edge_centred);
+            const double right = side(x + 0.5, layout.width, layout.edge_centred);
+            result.at(x, y) = band * (right - left) * 2 * pi;
+        }
+    }
+    return result.take();
+}
+
 /// Solid angle of the part of a cube's face from its middle to (u, v).
 double corner_solid_angle(double u, double v) {
     return std::atan2(u * v, std::sqrt(1 + u * u + v * v));
+}
+
+std::vector<double> cube_solid_angles(const ProbeLayout& layout) {
+    SolidAngles result(layout);
+    const int size = layout.face_size();
+    for (int y = 0; y < size; ++y) {
+        const double top = 2 * side(y - 0.5, size, layout.edge_centred) - 1;
+        const double bottom = 2 * side(y + 0.5, size, layout.edge_centred) - 1;
+        for (int x = 0; x < size; ++x) {
+            const double left = 2 * side(x - 0.5, size, layout.edge_centred) - 1;
+            const double right = 2 * side(x + 0.5, size, layout.edge_centred) - 1;
+            const double solid_angle = corner_solid_angle(right, bottom) - corner_solid_angle(left, bottom) -
+                                       corner_solid_angle(right, top) + corner_solid_angle(left, top);
+            for (const CubeFace& face : faces_of(layout.cube)) {
+                result.at(face.cell_x * size + x, face.cell_y * size + y) = solid_angle;
+            }
+        }
+    }
+    return result.take();
+}
+
+/// The part outside the last whole pixel counts for its neighbour inside, as in nearest_pixel. Eight by eight points a
+/// pixel put the rim's area within 1 %, all pixels together within 1e-4; the sum is made exact.
+std::vector<double> disc_solid_angles(const ProbeLayout& layout) {
+    SolidAngles result(layout);
+    constexpr int points = 8;
+    double sum = 0;
+    for (int y = 0; y < layout.height; ++y) {
+        for (int x = 0; x < layout.width; ++x) {
+            for (int j = 0; j < points; ++j) {
+                for (int i = 0; i < points; ++i) {
+                    const Vector2d point(x + (i + 0.5) / points - 0.5, y + (j + 0.5) / points - 0.5);
+                    const double solid_angle = solid_angle_density(layout, point) / (points * points);
+                    if (solid_angle <= 0) continue;
+                    const Vector2d kept = kept_in_disc(layout, point);
+                    result.at(std::clamp(static_cast<int>(std::lround(kept.x())), 0, layout.width - 1),
+                              std::clamp(static_cast<int>(std::lround(kept.y())), 0, layout.height - 1)) += solid_angle;
+                    sum += solid_angle;
+                }
+            }
+        }
+    }
+    std::vector<double> solid_angles = result.take();
+    for (double& solid_angle : solid_angles) solid_angle *= 4 * pi / sum;
+    return solid_angles;
 }
 
 }  // namespace
@@ -310,62 +389,17 @@ std::array<PixelTap, 4> bilinear_taps(const ProbeLayout& layout, const Vector3d&
 }
 
 std::vector<double> pixel_solid_angles(const ProbeLayout& layout) {
-    const auto width = static_cast<std::size_t>(layout.width);
-    std::vector<double> result(width * static_cast<std::size_t>(layout.height), 0.0);
-    const auto at = [&](int x, int y) -> double& {
-        return result[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
-    };
-
-    if (layout.mapping == ProbeMapping::latlong) {
-        for (int y = 0; y < layout.height; ++y) {
-            const double top = std::clamp(fraction_of(y - 0.5, layout.height, layout.edge_centred), 0.0, 1.0) * pi;
-            const double bottom = std::clamp(fraction_of(y + 0.5, layout.height, layout.edge_centred), 0.0, 1.0) * pi;
-            const double band = 2 * std::sin((top + bottom) / 2) * std::sin((bottom - top) / 2);
-            for (int x = 0; x < layout.width; ++x) {
-                const double left = std::clamp(fraction_of(x - 0.5, layout.width, layout.edge_centred), 0.0, 1.0);
-                const double right = std::clamp(fraction_of(x + 0.5, layout.width, layout.edge_centred), 0.0, 1.0);
-                at(x, y) = band * (right - left) * 2 * pi;
-            }
-        }
-        return result;
+    switch (layout.mapping) {
+        case ProbeMapping::latlong:
+            return latlong_solid_angles(layout);
+        case ProbeMapping::angular:
+        case ProbeMapping::mirrorball:
+            return disc_solid_angles(layout);
+        case ProbeMapping::cube:
+            return cube_solid_angles(layout);
     }
-    if (layout.mapping == ProbeMapping::cube) {
-        const int size = layout.face_size();
-        for (const CubeFace& face : faces_of(layout.cube)) {
-            for (int y = 0; y < size; ++y) {
-                for (int x = 0; x < size; ++x) {
-                    const auto edge = [&](double pixel) {
-                        return std::clamp(2 * fraction_of(pixel, size, layout.edge_centred) - 1, -1.0, 1.0);
-                    };
-                    at(face.cell_x * size + x, face.cell_y * size + y) =
-                        corner_solid_angle(edge(x + 0.5), edge(y + 0.5)) -
-                        corner_solid_angle(edge(x - 0.5), edge(y + 0.5)) -
-                        corner_solid_angle(edge(x + 0.5), edge(y - 0.5)) +
-                        corner_solid_angle(edge(x - 0.5), edge(y - 0.5));
-                }
-            }
-        }
-        return result;
-    }
-    // Discs: the part outside the last whole pixel counts for its neighbour inside, as in nearest_pixel. Eight by
-    // eight points a pixel put the rim's area within 1 %, all pixels together within 1e-4; the sum is made exact.
-    constexpr int points = 8;
-    double sum = 0;
-    for (int y = 0; y < layout.height; ++y) {
-        for (int x = 0; x < layout.width; ++x) {
-            for (int i = 0; i < points * points; ++i) {
-                const Vector2d point(x + (i % points + 0.5) / points - 0.5, y + (i / points + 0.5) / points - 0.5);
-                const double solid_angle = solid_angle_density(layout, point) / (points * points);
-                if (solid_angle <= 0) continue;
-                const Vector2d kept = kept_in_disc(layout, point);
-                at(std::clamp(static_cast<int>(std::lround(kept.x())), 0, layout.width - 1),
-                   std::clamp(static_cast<int>(std::lround(kept.y())), 0, layout.height - 1)) += solid_angle;
-                sum += solid_angle;
-            }
-        }
-    }
-    for (double& solid_angle : result) solid_angle *= 4 * pi / sum;
-    return result;
+    assert(false);
+    return {};
 }
 
 }  // namespace matchlight

@@ -70,7 +70,7 @@ struct PixelTap {
 /// within a disc.
 std::array<PixelTap, 4> bilinear_taps(const ProbeLayout& layout, const Eigen::Vector3d& direction);
 
-/// Steradians of every pixel (1 channel): what part of the sphere nearest_pixel gives to it. Sums to 4π.
+/// Steradians of every pixel, row by row: what part of the sphere nearest_pixel gives to it. Sums to 4π.
 std::vector<double> pixel_solid_angles(const ProbeLayout& layout);
 
 }  // namespace matchlight

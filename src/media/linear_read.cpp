@@ -1,6 +1,7 @@
 // Scene-linear RGB from EXR and Radiance files, with non-finite samples repaired where they enter.
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfChromaticitiesAttribute.h>
@@ -15,6 +16,7 @@
 #include "media/exr_file.h"
 #include "media/image_io.h"
 #include "media/input_limits.h"
+#include "media/orientation.h"
 #include "media/picture_format.h"
 
 namespace matchlight {
@@ -117,7 +119,8 @@ ImageF read_radiance(const fs::path& path) {
     ImageF image(spec.width, spec.height, 3);
     if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, image.samples().data()))
         throw InputError(path, "its pixels are damaged or cut off (" + input->geterror() + ")", "export it again");
-    return image;
+    // The header's resolution line may run bottom up, right to left or by columns; OpenImageIO tells it as EXIF does.
+    return oriented(std::move(image), spec.get_int_attribute("Orientation", 1));
 }
 
 SampleRepairs repair(ImageF& image, const fs::path& path, Warnings& warnings) {

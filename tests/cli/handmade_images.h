@@ -90,12 +90,17 @@ private:
     }
 };
 
-/// A flat Radiance file of uniform light 1; the header may lie about the size.
-inline std::string radiance_bytes(int width, int height, const std::string& said_size = {}) {
+/// A flat Radiance file of uniform light 1; the header may lie about the size. `brightness` gives mantissas (128 = 1)
+/// in the order of the file.
+inline std::string radiance_bytes(
+    int width, int height, const std::string& said_size = {},
+    const std::function<int(int index)>& brightness = [](int) { return 128; }) {
     const std::string size =
         said_size.empty() ? "-Y " + std::to_string(height) + " +X " + std::to_string(width) : said_size;
     std::string file = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + size + "\n";
-    for (int i = 0; i < width * height; ++i) file += "\x80\x80\x80\x81";  // 0.5 × 2¹
+    for (int i = 0; i < width * height; ++i) {
+        file += std::string(3, static_cast<char>(brightness(i))) + '\x81';  // mantissa/256 × 2¹
+    }
     return file;
 }
 

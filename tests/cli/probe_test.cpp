@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -175,6 +176,27 @@ TEST_F(ProbeCommand, SamplesThatAreNoLightAreRepairedAndCounted) {
     EXPECT_EQ(info["repaired_samples"]["infinite"], 3);
     EXPECT_EQ(info["repaired_samples"]["negative"], 3);
     EXPECT_NEAR(info["luminance"]["largest"].get<double>(), 65504, 1e-3);
+}
+
+TEST_F(ProbeCommand, RadianceFilesOfAnyScanOrderStandUpright) {
+    // A picture whose upper right quarter is bright, written in the orders that a resolution line can name.
+    const auto bright = [](int x, int y) { return x >= 16 && y < 8 ? 200 : 20; };
+    const std::vector<std::pair<std::string, std::function<int(int)>>> orders = {
+        {"-Y 16 +X 32", [&](int i) { return bright(i % 32, i / 32); }},
+        {"+Y 16 +X 32", [&](int i) { return bright(i % 32, 15 - i / 32); }},
+        {"-Y 16 -X 32", [&](int i) { return bright(31 - i % 32, i / 32); }},
+        {"+Y 16 -X 32", [&](int i) { return bright(31 - i % 32, 15 - i / 32); }},
+        {"+X 32 -Y 16", [&](int i) { return bright(i / 16, i % 16); }},
+        {"-X 32 +Y 16", [&](int i) { return bright(31 - i / 16, 15 - i % 16); }},
+    };
+    const json upright =
+        probe_json({"info", scratch_.write("order.hdr", radiance_bytes(32, 16, orders[0].first, orders[0].second))});
+    EXPECT_GT(upright["irradiance"]["+z"][0].get<double>(), 2 * upright["irradiance"]["-z"][0].get<double>());
+    EXPECT_GT(upright["irradiance"]["+x"][0].get<double>(), 2 * upright["irradiance"]["-x"][0].get<double>());
+    for (const auto& [size, brightness] : orders) {
+        const json info = probe_json({"info", scratch_.write("order.hdr", radiance_bytes(32, 16, size, brightness))});
+        EXPECT_EQ(info["irradiance"], upright["irradiance"]) << size;
+    }
 }
 
 TEST_F(ProbeCommand, AllBlackIsALight) {
