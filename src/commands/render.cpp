@@ -1,10 +1,10 @@
 // `matchlight render`: composites a tracked clip into a video or a sequence of pictures.
-#include <fmt/format.h>
-
 #include <chrono>
 #include <filesystem>
 #include <map>
 #include <optional>
+
+#include <fmt/format.h>
 
 #include "commands/command.h"
 #include "commands/frame_range.h"
@@ -22,6 +22,7 @@
 #include "scene/footage_options.h"
 #include "scene/scene_file.h"
 #include "tracking/solve_file.h"
+#include "tracking/solve_freshness.h"
 
 namespace matchlight {
 
@@ -46,11 +47,7 @@ Solve load_matching_solve(const Scene& scene, Warnings& warnings) {
         throw InputError(path, "no such solve file", fmt::format("run: matchlight track {}", scene.path.string()));
     }
     Solve solve = load_solve(path);
-    const fs::path solved_footage = fs::path(solve.footage_file).filename();
-    if (solved_footage != scene.footage.video.filename()) {
-        warnings.add(fmt::format("{}: was made from '{}', the scene names '{}'", path.string(), solved_footage.string(),
-                                 scene.footage.video.filename().string()));
-    }
+    check_solve_is_of_scene(solve, scene, warnings);
     return solve;
 }
 
@@ -150,7 +147,9 @@ void render(const RenderArguments& arguments, CommandContext& context) {
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::string text = fmt::format("{}: {} frames in {:.1f} s", request.path.string(), frames.size(), seconds);
     print_result(context,
-                 {{"output", request.path.string()}, {"seconds", seconds}, {"without_pose", without_pose},
+                 {{"output", request.path.string()},
+                  {"seconds", seconds},
+                  {"without_pose", without_pose},
                   {"frames", std::move(frames)}},
                  text);
 }
@@ -171,10 +170,11 @@ void add_render_command(CLI::App& app, CommandContext& context) {
     command->add_option("--first", arguments->first_number, "Number of frame 0 in picture names (0)")
         ->check(CLI::NonNegativeNumber);
     command->add_option("--level", arguments->level, "Quality, instead of the scene's")
-        ->transform(CLI::CheckedTransformer(std::map<std::string, QualityLevel>{{"draft", QualityLevel::draft},
-                                                                               {"preview", QualityLevel::preview},
-                                                                               {"final", QualityLevel::final_},
-                                                                               {"reference", QualityLevel::reference}}));
+        ->transform(
+            CLI::CheckedTransformer(std::map<std::string, QualityLevel>{{"draft", QualityLevel::draft},
+                                                                        {"preview", QualityLevel::preview},
+                                                                        {"final", QualityLevel::final_},
+                                                                        {"reference", QualityLevel::reference}}));
     command->add_option("--touched", arguments->touched_masks,
                         "Also write a mask a frame: white where a pixel is no longer the plate's (touched_%04d.png)");
     command->add_flag("--strict", arguments->strict, "Damaged or truncated footage is an error, not a warning");

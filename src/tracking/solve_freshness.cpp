@@ -1,0 +1,84 @@
+// Compares the effective settings that a solve recorded with the scene's, section by section.
+#include "tracking/solve_freshness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+
+namespace matchlight {
+namespace {
+
+/// The lines of `[section]` in an effective scene text whose keys `counts` accepts.
+std::string section_of(const std::string& effective_toml, std::string_view section, bool (*counts)(std::string_view)) {
+    std::istringstream text(effective_toml);
+    std::string lines;
+    bool inside = false;
+    for (std::string line; std::getline(text, line);) {
+        if (line.starts_with('[')) inside = line == "[" + std::string(section) + "]";
+        if (inside && counts(std::string_view(line).substr(0, line.find(' ')))) lines += line + "\n";
+    }
+    return lines;
+}
+
+bool any_key(std::string_view) {
+    return true;
+}
+bool is_footage_name(std::string_view key) {
+    return key == "video";
+}
+/// Camera and response are compared by what is in their files.
+bool is_color_or_time_key(std::string_view key) {
+    return key == "color_matrix" || key == "color_range" || key == "fps";
+}
+
+bool same_camera(const Camera& a, const Camera& b) {
+    return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy &&
+           a.lens == b.lens && a.distortion == b.distortion;
+}
+
+/// Equal at every code of ten bits, to what JSON and a float keep of a number. Footage that says PQ or HLG has that
+/// response, whatever the scene names.
+bool same_response(const Response& scene, const Response& solve) {
+    if (solve.family() == Response::Family::pq || solve.family() == Response::Family::hlg) return true;
+    for (int channel = 0; channel < 3; ++channel) {
+        const std::vector<float> a = scene.sampled_linear(1024, channel);
+        const std::vector<float> b = solve.sampled_linear(1024, channel);
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            if (std::abs(a[i] - b[i]) > 1e-6f * std::max(1.0f, std::abs(a[i]))) return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace
+
+void check_solve_is_of_scene(const Solve& solve, const Scene& scene, Warnings& warnings) {
+    if (!solve.provenance.starts_with("matchlight ")) return;
+    const std::filesystem::path& path = scene.footage.solve;
+    const auto differs = [&](std::string_view section, bool (*counts)(std::string_view)) {
+        return section_of(solve.provenance, section, counts) != section_of(scene.effective_toml, section, counts);
+    };
+    const auto refuse = [&](const std::string& what) {
+        throw InputError(path, "was made with " + what, "run: matchlight track " + scene.path.string());
+    };
+    if (differs("tags", any_key)) refuse("other [tags] than the scene has");
+    if (differs("footage", is_color_or_time_key)) refuse("other settings of [footage] than the scene has");
+
+    const Camera camera = camera_for_size(load_camera(scene.footage.camera), solve.camera.width, solve.camera.height,
+                                          scene.footage.camera);
+    if (!same_camera(camera, solve.camera)) refuse("another camera than " + scene.footage.camera.string());
+
+    const Response response = scene.footage.response ? Response::load(*scene.footage.response) : Response::srgb();
+    if (!same_response(response, solve.response)) refuse("another response than the scene has");
+
+    const std::string cure = "; to follow the change run: matchlight track " + scene.path.string();
+    if (differs("light", any_key)) warnings.add(path.string() + ": was made with another [light]" + cure);
+    if (differs("footage", is_footage_name)) warnings.add(path.string() + ": was made from another video" + cure);
+}
+
+}  // namespace matchlight
