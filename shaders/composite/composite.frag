@@ -17,6 +17,7 @@ uniform int layer_present;
 
 uniform float surface_z_m;
 uniform int shadow_present;
+uniform float least_visible_loss;    // a shadow that takes less than this share of the light is none
 
 uniform mat3 world_from_camera;
 uniform vec3 eye_world_m;
@@ -81,7 +82,10 @@ void main() {
         vec2 footprint = abs(next - normalized) * layer_intrinsics.xy;
         virtual_light = layer_over_pixel(normalized, any(isnan(footprint)) ? vec2(1.0) : clamp(footprint, 1.0, 16.0));
     }
-    if (reached && shadow_present != 0) ratio = shadow_over_pixel(normalized);
+    if (reached && shadow_present != 0) {
+        ratio = shadow_over_pixel(normalized);
+        if (all(greaterThan(ratio, vec3(1.0 - least_visible_loss)))) ratio = vec3(1.0);
+    }
 
     vec2 from_centre = (pixel - vignette_frame.xy) * vignette_frame.z;
     float r2 = dot(from_centre, from_centre);
@@ -89,8 +93,7 @@ void main() {
 
     vec3 plate_linear = linear_from_code(code);
     vec3 linear = plate_linear * ratio * (1.0 - virtual_light.a) + virtual_light.rgb * gain * falloff;
-    // A ratio within 1e-4 of 1 changes no code of 12 bits or fewer: such a pixel stays the plate's.
-    bool touched = virtual_light.a > 0.0 || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(lessThan(ratio, vec3(1.0 - 1e-4)));
+    bool touched = virtual_light.a > 0.0 || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(lessThan(ratio, vec3(1.0)));
     composited_code = touched ? vec4(code_from_linear(linear), 1.0) : vec4(code, 0.0);
 #ifdef WRITE_LAYERS
     composited_linear = vec4(touched ? linear : plate_linear, virtual_light.a);

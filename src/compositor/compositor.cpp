@@ -103,6 +103,9 @@ struct Compositor::Impl {
     FrameOptics optics_of(const SolvedFrame& frame) const;
     /// The frame itself when it knows its exposure, or else the one nearest in time that does, or nullptr.
     const SolvedFrame* exposed_neighbour(const SolvedFrame& frame) const;
+    /// Also extends `object_bounds` (normalised coordinates) by every object in view.
+    Reach reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
+                   Eigen::AlignedBox2d& object_bounds);
     VirtualLayer draw_layer(const RigidTransform& camera_from_world, const Eigen::AlignedBox2d& bounds);
 
     GlContext& context;
@@ -114,6 +117,7 @@ struct Compositor::Impl {
     SurfaceRenderer surfaces;
     std::unique_ptr<Environment> environment;
     std::optional<ContactShadow> shadow;
+    std::optional<ShadowFootprint> footprint;  // made with the first frame, whose depth sets the limit
     SurfaceShading shading;
     Texture2D nothing{TextureShape{.format = GL_RGBA32F, .width = 2, .height = 2}};  // where there is no shadow
     LensMap lens_map;
@@ -291,6 +295,46 @@ Compositor::Compositor(GlContext& context, const Scene& scene, const Solve& solv
 
 Compositor::~Compositor() = default;
 
+namespace {
+
+/// Half a code value of the footage's depth, as a share of the brightest light: response curves are steepest in
+/// relative terms with exponent 1, so no code moves by more than a half.
+double least_visible_loss(const PlateFormat& format) {
+    return 0.5 / ((1 << format.bit_depth) - 1);
+}
+
+/// Code values over `region`, decoded in the runs alone.
+ImageF code_of_runs(const PlateFrame& plate, const Region& region, const std::vector<Region>& runs) {
+    ImageF code(region.width, region.height, 3);
+    for (const Region& run : runs) {
+        const ImageF part = plate.rgb_code(run);
+        for (int y = 0; y < run.height; ++y) {
+            std::copy_n(part.pixel(0, y), 3 * run.width, code.pixel(run.x - region.x, run.y + y - region.y));
+        }
+    }
+    return code;
+}
+
+}  // namespace
+
+Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
+                                 Eigen::AlignedBox2d& object_bounds) {
+    constexpr int margin_px = 2;  // footprints and antialiased edges
+    std::vector<Region> regions;
+    for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
+        const Eigen::AlignedBox2d bounds =
+            normalized_bounds_of_box(surfaces.object_bounds_m(i), camera_from_world, lens_map);
+        if (bounds.isEmpty()) continue;
+        object_bounds.extend(bounds);
+        regions.push_back(plate_region(bounds, solve.camera, margin_px));
+    }
+    if (!shadow) return make_reach(regions, {}, 0, camera_from_world, lens_map, solve.camera);
+    if (!footprint) footprint.emplace(shadow->far, shadow->fine, least_visible_loss(format));
+    return make_reach(
+        regions, [this](const Eigen::AlignedBox2d& box_m) { return footprint->touches(box_m); }, shadow->surface_z_m,
+        camera_from_world, lens_map, solve.camera);
+}
+
 CompositedFrame Compositor::composite(PlateFrame plate) {
     Impl& impl = *impl_;
     CompositedFrame result{std::move(plate), {}, {}, {}, std::nullopt};
@@ -307,28 +351,18 @@ CompositedFrame Compositor::composite(PlateFrame plate) {
 
     const RigidTransform& camera_from_world = *solved->camera_from_world;
     Eigen::AlignedBox2d object_bounds;
-    for (std::size_t i = 0; i < impl.surfaces.object_count(); ++i) {
-        object_bounds.extend(
-            normalized_bounds_of_box(impl.surfaces.object_bounds_m(i), camera_from_world, impl.lens_map));
-    }
-    constexpr int margin_px = 2;  // footprints and antialiased edges
-    result.reach = plate_region(object_bounds, camera, margin_px);
-    if (impl.shadow) {
-        for (const ShadowMap* map : {&impl.shadow->fine, &impl.shadow->far}) {
-            result.reach = result.reach.united(
-                plate_region(normalized_bounds_of_rectangle(map->rectangle_m, impl.shadow->surface_z_m,
-                                                            camera_from_world, impl.lens_map),
-                             camera, margin_px));
-        }
-    }
+    const Reach reach_tiles = impl.reach_of(camera_from_world, format, object_bounds);
+    result.reach = reach_tiles.bounds;
     if (result.reach.empty()) return result;
 
     impl.context.make_current();
     impl.prepare_composite(format);
-    const ImageF plate_code = result.plate.rgb_code(result.reach);
     CompositeInput input;
-    input.plate_code = &plate_code;
     input.region = result.reach;
+    input.runs = impl.options.layers ? std::vector{result.reach} : reach_tiles.runs;
+    const ImageF plate_code = code_of_runs(result.plate, input.region, input.runs);
+    input.plate_code = &plate_code;
+    input.least_visible_loss = least_visible_loss(format);
     if (!object_bounds.isEmpty()) input.layer = impl.draw_layer(camera_from_world, object_bounds);
     input.shadow = impl.shadow ? &*impl.shadow : nullptr;
     input.optics = impl.optics_of(*solved);

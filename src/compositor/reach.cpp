@@ -71,4 +71,73 @@ Region plate_region(const Eigen::AlignedBox2d& bounds, const Camera& camera, int
     return region.grown(margin_px).intersected({0, 0, camera.width, camera.height});
 }
 
+std::int64_t Reach::pixels() const {
+    std::int64_t sum = 0;
+    for (const Region& run : runs) sum += static_cast<std::int64_t>(run.width) * run.height;
+    return sum;
+}
+
+namespace {
+
+/// The surface that a tile sees; the whole plane where one of its corners sees none (a horizon crosses the tile, or the
+/// lens model does not reach it), empty where none of them does.
+Eigen::AlignedBox2d surface_seen(const Region& tile, double surface_z_m, const RigidTransform& world_from_camera,
+                                 const LensMap& lens_map) {
+    const Eigen::Vector3d eye = world_from_camera.translation();
+    Eigen::AlignedBox2d seen;
+    int missing = 0;
+    for (int corner = 0; corner < 4; ++corner) {
+        const int x = tile.x + (corner & 1) * tile.width;
+        const int y = tile.y + (corner >> 1) * tile.height;
+        const Eigen::Vector3d direction = world_from_camera.linear() * lens_map.normalized(x, y).homogeneous();
+        const double distance = (surface_z_m - eye.z()) / direction.z();
+        if (!(distance > 0) || !std::isfinite(distance)) {
+            ++missing;
+            continue;
+        }
+        seen.extend(Eigen::Vector2d((eye + distance * direction).head<2>()));
+    }
+    if (missing == 4) return {};
+    if (missing > 0) {
+        constexpr double everywhere_m = 1e9;
+        return {Eigen::Vector2d::Constant(-everywhere_m), Eigen::Vector2d::Constant(everywhere_m)};
+    }
+    // A lens bends the tile's sides by less than an eighth of its size.
+    const Eigen::Vector2d margin = seen.sizes() / 8;
+    return {seen.min() - margin, seen.max() + margin};
+}
+
+}  // namespace
+
+Reach make_reach(const std::vector<Region>& object_regions, const ShadowTest& shadow_in, double surface_z_m,
+                 const RigidTransform& camera_from_world, const LensMap& lens_map, const Camera& camera) {
+    const RigidTransform world_from_camera = camera_from_world.inverse();
+    const Region frame{0, 0, camera.width, camera.height};
+    Reach reach;
+    for (int y = 0; y < camera.height; y += Reach::tile_px) {
+        Region run;
+        const auto end_run = [&] {
+            if (!run.empty()) reach.runs.push_back(run);
+            reach.bounds = reach.bounds.united(run);
+            run = {};
+        };
+        for (int x = 0; x < camera.width; x += Reach::tile_px) {
+            const Region tile = Region{x, y, Reach::tile_px, Reach::tile_px}.intersected(frame);
+            bool active = false;
+            for (const Region& region : object_regions) active = active || !tile.intersected(region).empty();
+            if (!active && shadow_in) {
+                const Eigen::AlignedBox2d seen = surface_seen(tile, surface_z_m, world_from_camera, lens_map);
+                active = !seen.isEmpty() && shadow_in(seen);
+            }
+            if (active) {
+                run = run.united(tile);
+            } else {
+                end_run();
+            }
+        }
+        end_run();
+    }
+    return reach;
+}
+
 }  // namespace matchlight

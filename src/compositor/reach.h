@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -30,5 +32,22 @@ Eigen::AlignedBox2d normalized_bounds_of_rectangle(const Eigen::AlignedBox2d& re
 
 /// The plate pixels whose directions can lie in `bounds`, grown by `margin_px` and cut to the frame.
 Region plate_region(const Eigen::AlignedBox2d& bounds, const Camera& camera, int margin_px);
+
+/// The part of a frame that virtual things can touch, as horizontal runs of square tiles: only these are drawn, read
+/// back and converted.
+struct Reach {
+    static constexpr int tile_px = 32;
+    std::vector<Region> runs;  // disjoint, cut to the frame
+    Region bounds;             // around all of them
+
+    std::int64_t pixels() const;
+};
+
+/// Whether a box of the real surface (world x, y) holds shadow.
+using ShadowTest = std::function<bool(const Eigen::AlignedBox2d& box_m)>;
+
+/// Tiles that lie in one of `object_regions` or see shadow on the surface at height `surface_z_m`.
+Reach make_reach(const std::vector<Region>& object_regions, const ShadowTest& shadow_in, double surface_z_m,
+                 const RigidTransform& camera_from_world, const LensMap& lens_map, const Camera& camera);
 
 }  // namespace matchlight

@@ -38,6 +38,7 @@ struct Region {
         const int bottom = std::max(y + height, other.y + other.height);
         return {left, top, right - left, bottom - top};
     }
+    Region moved(int right, int down) const { return {x + right, y + down, width, height}; }
     Region grown(int pixels) const { return {x - pixels, y - pixels, width + 2 * pixels, height + 2 * pixels}; }
 };
 

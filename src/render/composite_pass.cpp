@@ -7,6 +7,25 @@
 
 namespace matchlight {
 
+namespace {
+
+/// The samples of a part of an image, packed.
+ImageF rows_of(const ImageF& image, const Region& part) {
+    ImageF packed(part.width, part.height, image.channels());
+    for (int y = 0; y < part.height; ++y) {
+        std::copy_n(image.pixel(part.x, part.y + y), part.width * image.channels(), packed.pixel(0, y));
+    }
+    return packed;
+}
+
+void put(ImageF& image, const Region& part, const ImageF& packed) {
+    for (int y = 0; y < part.height; ++y) {
+        std::copy_n(packed.pixel(0, y), part.width * image.channels(), image.pixel(part.x, part.y + y));
+    }
+}
+
+}  // namespace
+
 CompositePass::CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response)
     : shaders_(shaders),
       lens_nodes_({.format = GL_RG32F, .width = lens_nodes.width(), .height = lens_nodes.height()}),
@@ -37,7 +56,11 @@ CompositeOutput CompositePass::draw(const CompositeInput& input) {
     const Region& region = input.region;
     const Region origin{0, 0, region.width, region.height};
     hold(region, input.layers);
-    plate_.upload(origin, input.plate_code->samples());
+    for (const Region& run : input.runs) {
+        const Region part = run.moved(-region.x, -region.y);
+        const ImageF rows = rows_of(*input.plate_code, part);
+        plate_.upload(part, rows.samples());
+    }
     const Framebuffer target =
         input.layers ? Framebuffer({code_, linear_, shadow_, virtual_, geometry_, object_}) : Framebuffer({code_});
     target.bind(origin);
@@ -88,10 +111,21 @@ CompositeOutput CompositePass::draw(const CompositeInput& input) {
     const double corner_px = std::hypot(optics.frame_width, optics.frame_height) / 2;
     program.set("vignette_frame",
                 Eigen::Vector3f(Eigen::Vector3d(centre.x(), centre.y(), 1 / corner_px).cast<float>()));
-    triangle_.draw();
+    program.set("least_visible_loss", input.least_visible_loss);
 
     CompositeOutput output;
-    output.code = target.read<float>(origin, 4);
+    output.code = ImageF(region.width, region.height, 4);
+    glEnable(GL_SCISSOR_TEST);
+    for (const Region& run : input.runs) {
+        const Region part = run.moved(-region.x, -region.y);
+        glScissor(part.x, part.y, part.width, part.height);
+        triangle_.draw();
+    }
+    glDisable(GL_SCISSOR_TEST);
+    for (const Region& run : input.runs) {
+        const Region part = run.moved(-region.x, -region.y);
+        put(output.code, part, target.read<float>(part, 4));
+    }
     if (input.layers) {
         output.linear = target.read<float>(origin, 4, 1);
         output.shadow = target.read<float>(origin, 3, 2);

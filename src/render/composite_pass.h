@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -31,14 +32,16 @@ struct FrameOptics {
 
 struct CompositeInput {
     const ImageF* plate_code = nullptr;  // RGB code values over `region`
-    Region region;
+    Region region;                       // what the images cover
+    std::vector<Region> runs;            // the parts of it to draw, in plate pixels
     VirtualLayer layer;
     const ContactShadow* shadow = nullptr;  // null: no shadow, which is a ratio of 1
     FrameOptics optics;
+    double least_visible_loss = 0;  // a shadow that takes less leaves the pixel the plate's
     bool layers = false;  // also return linear light and the ratio
 };
 
-/// All over the input's region.
+/// All over the input's region; what lies outside its runs is not written.
 struct CompositeOutput {
     ImageF code;          // RGB; a = 1 where the pixel was touched
     ImageF linear;        // plate-linear RGB and the virtual layer's alpha; empty unless asked for

@@ -7,6 +7,7 @@
 // leaves no gap at the contact. Its double-precision reference is report/contact_shadow_reference.h.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -45,6 +46,24 @@ struct ShadowMap {
     Eigen::AlignedBox2d rectangle_m;
 };
 
+/// Where a shadow lies, on the CPU: which cells of a grid over the surface lose more of their light than a limit.
+class ShadowFootprint {
+public:
+    /// `loss` images hold RGB as ShadowMap does; both rectangles lie in the first.
+    ShadowFootprint(const ShadowMap& far, const ShadowMap& fine, double least_loss);
+
+    /// Whether the shadow can be seen anywhere in a box of the surface.
+    bool touches(const Eigen::AlignedBox2d& box_m) const;
+
+private:
+    static constexpr int cells = 256;  // along each side
+    void mark(const ShadowMap& map, double least_loss);
+    Eigen::Array2i cell_of(const Eigen::Vector2d& point_m) const;
+
+    Eigen::AlignedBox2d rectangle_m_;
+    std::vector<std::int32_t> sums_;  // of marked cells above and to the left; (cells + 1)²
+};
+
 /// The whole shadow is the sum of two maps: the fine map holds the steep directions' shadows, close around the casters'
 /// feet, the far map the flat ones', as far as they reach.
 struct ContactShadow {
@@ -66,8 +85,8 @@ struct SurfaceLight {
 /// From a placed probe: the light from above in `directions` strata, and the lower half as the surface's radiance.
 SurfaceLight make_surface_light(const Probe& probe, double z_m, int directions);
 
-/// The shadow of `casters` on the surface, drawn once: static casters under static light need no other. Nullopt where no
-/// caster rises above the surface or no light comes from above: there the ratio is 1 by definition.
+/// The shadow of `casters` on the surface, drawn once: static casters under static light need no other. Nullopt where
+/// no caster rises above the surface or no light comes from above: there the ratio is 1 by definition.
 std::optional<ContactShadow> make_contact_shadow(ShaderLibrary& shaders, const ShadowCasters& casters,
                                                  const SurfaceLight& surface, const ContactShadowSettings& settings);
 
