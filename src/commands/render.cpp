@@ -67,7 +67,7 @@ void refuse_input_as_output(const fs::path& output, const Scene& scene) {
 /// A picture sequence that exists already is found before the first frame is drawn, not in the middle.
 void check_pictures(const RenderArguments& arguments, const FootageInfo& footage) {
     if (arguments.overwrite || output_kind(arguments.output) == OutputKind::video) return;
-    const std::int64_t end = arguments.frames.last ? *arguments.frames.last + 1 : footage.declared_frames;
+    const std::int64_t end = arguments.frames.last ? *arguments.frames.last + 1 : footage.frame_count;
     for (std::int64_t frame = arguments.frames.first; frame < end; ++frame) {
         check_output(numbered(arguments.output, frame + arguments.first_number), false);
     }
@@ -112,7 +112,7 @@ void render(const RenderArguments& arguments, CommandContext& context) {
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
     Compositor compositor(*gl, scene, solve, {.quality = scene.quality, .layers = output->needs_layers()}, warnings);
 
-    const std::int64_t declared = source->info().declared_frames;
+    const std::int64_t declared = source->info().frame_count;
     const std::int64_t end = arguments.frames.last ? *arguments.frames.last + 1 : declared;
     if (arguments.frames.first > 0) source->seek(arguments.frames.first);
     nlohmann::json frames = nlohmann::json::array();

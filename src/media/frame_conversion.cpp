@@ -67,7 +67,7 @@ bool fits_size(const SampleLayout& layout, const PlateFormat& plate, VideoCodec 
 /// How far a format is from holding the plate's samples; the smallest wins, ties go to the encoder's own order.
 struct Distance {
     int colour_lost = 0, depth_lost = 0, chroma_lost = 0, alpha_lost = 0, excess = 0;
-    auto operator<=>(const Distance&) const = default;
+    auto operator<=>(const Distance&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 errs here
 };
 
 Distance distance(const SampleLayout& plate, const SampleLayout& target, bool rgb_becomes_420) {

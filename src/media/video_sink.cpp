@@ -1,6 +1,7 @@
 // Encoding and muxing through FFmpeg's libraries; every status is looked at, so that a full disk is found out.
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -102,7 +103,7 @@ struct VideoSink::Impl {
     void open_encoder(const PlateFormat& format, AVPixelFormat pixel_format, bool layer);
     void set_codec_options();
     void begin(const PlateFormat& format, AVPixelFormat pixel_format, bool layer, std::int64_t index, std::int64_t pts);
-    void encode(std::shared_ptr<AVFrame> frame, std::int64_t index);
+    void encode(AVFrame& frame, std::int64_t index);
     void receive_packets();
     void end();
     void check(int status, const char* what) const;
@@ -139,7 +140,8 @@ void VideoSink::Impl::check(int status, const char* what) const {
 
 void VideoSink::Impl::open_container() {
     const fs::path& output = pending.final_path();
-    const std::string extension = output.extension().string();
+    std::string extension = output.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (extension != ".mp4" && extension != ".mov" && extension != ".mkv")
         throw InputError(output, fmt::format("\"{}\" names no video container", extension), "use .mp4, .mov or .mkv");
     AVFormatContext* context = nullptr;
@@ -248,21 +250,21 @@ void VideoSink::Impl::begin(const PlateFormat& format, AVPixelFormat pixel_forma
     check(status, "its header cannot be written");
 }
 
-void VideoSink::Impl::encode(std::shared_ptr<AVFrame> frame, std::int64_t index) {
-    if (audio) check(audio->write_until(seconds(frame->pts)), "the sound cannot be written");
+void VideoSink::Impl::encode(AVFrame& frame, std::int64_t index) {
+    if (audio) check(audio->write_until(seconds(frame.pts)), "the sound cannot be written");
     last_index = index;
-    end_pts = frame->pts + std::max<std::int64_t>(1, frame->pkt_duration);
-    duration_at[frame->pts - shift] = std::max<std::int64_t>(1, frame->pkt_duration);
-    frame->pts -= shift;
-    frame->pict_type = AV_PICTURE_TYPE_NONE;  // the encoder chooses, not the footage's
-    frame->key_frame = 0;
+    end_pts = frame.pts + std::max<std::int64_t>(1, frame.pkt_duration);
+    duration_at[frame.pts - shift] = std::max<std::int64_t>(1, frame.pkt_duration);
+    frame.pts -= shift;
+    frame.pict_type = AV_PICTURE_TYPE_NONE;  // the encoder chooses, not the footage's
+    frame.key_frame = 0;
     // ProRes takes its tags from the frames.
-    frame->color_primaries = encoder->color_primaries;
-    frame->color_trc = encoder->color_trc;
-    frame->colorspace = encoder->colorspace;
-    frame->color_range = encoder->color_range;
-    frame->chroma_location = encoder->chroma_sample_location;
-    check(avcodec_send_frame(encoder.get(), frame.get()), "cannot be encoded");
+    frame.color_primaries = encoder->color_primaries;
+    frame.color_trc = encoder->color_trc;
+    frame.colorspace = encoder->colorspace;
+    frame.color_range = encoder->color_range;
+    frame.chroma_location = encoder->chroma_sample_location;
+    check(avcodec_send_frame(encoder.get(), &frame), "cannot be encoded");
     receive_packets();
 }
 
@@ -313,7 +315,7 @@ void VideoSink::write(const PlateFrame& frame) {
     samples->pkt_duration = frame.samples()->pkt_duration;
     if (!impl_->encoder)
         impl_->begin(impl_->conversion.encoded(), impl_->conversion.pixel_format(), false, frame.index(), samples->pts);
-    impl_->encode(std::move(samples), frame.index());
+    impl_->encode(*samples, frame.index());
 }
 
 void VideoSink::write_rgba(const ImageF& rgba_code, std::int64_t index, double time_s) {
@@ -329,7 +331,7 @@ void VideoSink::write_rgba(const ImageF& rgba_code, std::int64_t index, double t
     frame->pts = std::llround(time_s / tick_s);
     frame->pkt_duration = std::max<std::int64_t>(1, std::llround(1 / (impl_->footage.fps * tick_s)));
     if (!impl_->encoder) impl_->begin(layer, AV_PIX_FMT_YUVA444P10LE, true, index, frame->pts);
-    impl_->encode(std::move(frame), index);
+    impl_->encode(*frame, index);
 }
 
 void VideoSink::finish() {

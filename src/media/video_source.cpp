@@ -257,6 +257,7 @@ std::optional<PlateFrame> VideoSource::decode_plate() {
         place_in_time(*frame);
         const std::int64_t index = next_index_;
         if (index < seek_target_) {
+            decoder_log_.take_cause();  // pictures before a key frame may lack what they refer to; nobody sees them
             ++next_index_;
             ++decoded_;
             continue;

@@ -445,11 +445,12 @@ TEST_F(VideoSinkTest, AFullDiskIsAnErrorAtItsFrameAndLeavesNothing) {
     clip.height = 240;
     clip.frames = 40;
     write_clip(clip, folder_ / "a.mp4");
-    for (const auto& [codec, name] :
-         {std::pair{VideoCodec::h264, "b.mp4"}, {VideoCodec::ffv1, "b.mkv"}, {VideoCodec::prores4444, "b.mov"}}) {
+    const std::pair<VideoCodec, const char*> outputs[] = {
+        {VideoCodec::h264, "b.mp4"}, {VideoCodec::ffv1, "b.mkv"}, {VideoCodec::prores4444, "b.mov"}};
+    for (const auto& output : outputs) {
         const FileSizeLimit limit(300000);
-        EXPECT_THAT(error_of([&] { transcode(folder_ / "a.mp4", folder_ / name, lossless(codec)); }),
-                    AllOf(HasSubstr(name), HasSubstr("frame "), HasSubstr("free some space")));
+        EXPECT_THAT(error_of([&] { transcode(folder_ / "a.mp4", folder_ / output.second, lossless(output.first)); }),
+                    AllOf(HasSubstr(output.second), HasSubstr("frame "), HasSubstr("free some space")));
     }
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);  // the footage alone
 }
