@@ -98,12 +98,15 @@ public:
                                    {"plate", {"R", "G", "B"}, &plate, true, {}}};
         const ImageF nothing(1, 1, 1);
         const ImageF no_normal(1, 1, 3);
-        const ImageF no_shadow(1, 1, 3, 1.0f);
         const FrameLayers* layers = frame.layers ? &*frame.layers : nullptr;
         const Region window = layers != nullptr ? layers->region : Region{0, 0, 1, 1};
+        // A ratio is 1 where there is no shadow, while EXR takes 0 outside a part's window: so it covers the whole frame.
+        ImageF shadow(format.width, format.height, 3, 1.0F);
+        parts.push_back({"shadow", {"R", "G", "B"}, &shadow, true, {}});
         if (layers != nullptr) {
             for (int y = 0; y < window.height; ++y) {
                 std::copy_n(layers->beauty.pixel(0, y), 3 * window.width, beauty.pixel(window.x, window.y + y));
+                std::copy_n(layers->shadow.pixel(0, y), 3 * window.width, shadow.pixel(window.x, window.y + y));
             }
         }
         const auto add = [&](const char* name, std::vector<std::string> channels, const ImageF* image,
@@ -113,7 +116,6 @@ public:
         add("alpha", {"A"}, layers != nullptr ? &layers->alpha : nullptr, nothing, true);
         add("depth", {"Z"}, layers != nullptr ? &layers->depth : nullptr, nothing, false);
         add("normal", {"X", "Y", "Z"}, layers != nullptr ? &layers->normal : nullptr, no_normal, true);
-        add("shadow", {"R", "G", "B"}, layers != nullptr ? &layers->shadow : nullptr, no_shadow, true);
         add("object_id", {"id"}, layers != nullptr ? &layers->object_id : nullptr, nothing, false);
         write_exr(path_of(frame), format.width, format.height, parts,
                   {{"software", request_.provenance}, {"frame", std::to_string(frame.plate.index())}});
