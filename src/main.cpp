@@ -17,14 +17,16 @@ namespace {
 using matchlight::CommandContext;
 
 using AddCommand = void (*)(CLI::App&, CommandContext&);
+// One line a command, in the order the help shows them.
+// clang-format off
 const std::vector<AddCommand> command_table = {
-    // One line a command, in the order the help shows them.
     matchlight::add_probe_command,
     matchlight::add_track_command,
     matchlight::add_render_command,
     matchlight::add_compare_command,
     matchlight::add_doctor_command,
 };
+// clang-format on
 
 int report_failure(const char* what) {
     std::fprintf(stderr, "error: %s\n", what);

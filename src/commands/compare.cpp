@@ -134,7 +134,8 @@ private:
     }
 
     static std::int64_t number_of(FrameCursor& cursor) {
-        return cursor.current() != nullptr ? cursor.current()->number : past_the_end;
+        const auto* frame = cursor.current();
+        return frame != nullptr ? frame->number : past_the_end;
     }
 
     void check_flip_map() const {
