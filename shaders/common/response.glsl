@@ -1,6 +1,6 @@
 // The camera's response from its table: linear light at evenly spaced codes, one row a channel.
 
-uniform sampler2D response_linear;   // R32F, width = samples, height = 3
+uniform sampler2D response_linear;   // rows 0 to 2: light at each code, R, G, B; rows 3 to 5: see below
 
 float response_entry(int index, int channel) { return texelFetch(response_linear, ivec2(index, channel), 0).r; }
 
@@ -11,20 +11,23 @@ float linear_from_code(float code, int channel) {
     return mix(response_entry(index, channel), response_entry(index + 1, channel), at - float(index));
 }
 
-// The table increases strictly, so bisection finds the one interval that holds the value. Light beyond the last entry
-// saturates the camera.
+// The table increases strictly, so one interval holds the value: rows 3 to 5 say where to start looking, at evenly spaced
+// roots of light, and a few steps find it. Light beyond the last entry saturates the camera.
 float code_from_linear(float linear, int channel) {
-    int low = 0;
-    int high = textureSize(response_linear, 0).x - 1;
-    if (linear >= response_entry(high, channel)) return 1.0;
+    int last = textureSize(response_linear, 0).x - 1;
+    float white = response_entry(last, channel);
+    if (linear >= white) return 1.0;
     if (!(linear > response_entry(0, channel))) return 0.0;
-    while (high - low > 1) {
-        int middle = (low + high) / 2;
-        if (response_entry(middle, channel) <= linear) low = middle; else high = middle;
+    int index = int(texelFetch(response_linear, ivec2(int(sqrt(linear / white) * float(last)), channel + 3), 0).r);
+    float below = response_entry(index, channel);
+    while (below > linear && index > 0) below = response_entry(--index, channel);
+    float above = response_entry(index + 1, channel);
+    while (above <= linear && index + 2 <= last) {
+        below = above;
+        ++index;
+        above = response_entry(index + 1, channel);
     }
-    float below = response_entry(low, channel);
-    float above = response_entry(high, channel);
-    return (float(low) + (linear - below) / (above - below)) / float(textureSize(response_linear, 0).x - 1);
+    return (float(index) + (linear - below) / (above - below)) / float(last);
 }
 
 vec3 linear_from_code(vec3 code) {

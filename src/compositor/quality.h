@@ -8,7 +8,7 @@
 namespace matchlight {
 
 struct Quality {
-    int supersampling = 3;  // layer pixels along each side of a plate pixel, each with `samples` samples
+    int supersampling = 2;  // layer pixels along each side of a plate pixel, each with `samples` samples
     int samples = 1;  // multisampling; with small triangles a sample costs more than a pixel
     int mirror_face_px = 512;  // the reflection cube's sharpest level
     ContactShadowSettings shadow;
@@ -20,7 +20,7 @@ inline Quality quality_of(QualityLevel level) {
         case QualityLevel::draft:
             return {1, 1, 128, {.directions = 16, .resolution = 256}, {.directions = 0}};
         case QualityLevel::preview:
-            return {2, 1, 256, {.directions = 32, .resolution = 512}, {.directions = 32, .resolution = 128}};
+            return {1, 1, 256, {.directions = 32, .resolution = 512}, {.directions = 32, .resolution = 128}};
         case QualityLevel::reference:
             return {4,
                     4,
@@ -30,7 +30,7 @@ inline Quality quality_of(QualityLevel level) {
         case QualityLevel::final_:
             break;
     }
-    return {3, 1, 512, {.directions = 128, .resolution = 1024}, {}};
+    return {2, 1, 512, {.directions = 128, .resolution = 1024}, {}};
 }
 
 }  // namespace matchlight

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace matchlight {
 
@@ -18,6 +19,24 @@ ImageF rows_of(const ImageF& image, const Region& part) {
     return packed;
 }
 
+/// Below the three rows of light at each code, three rows that say for evenly spaced roots of light (as a share of the
+/// last entry) in which interval of the row it lies: where code_from_linear of common/response.glsl starts.
+ImageF with_starting_points(const ImageF& response) {
+    const int last = response.width() - 1;
+    ImageF table(response.width(), 6, 1);
+    for (int channel = 0; channel < 3; ++channel) {
+        const std::span<const float> light = response.row(channel);
+        std::ranges::copy(light, table.row(channel).begin());
+        for (int i = 0; i <= last; ++i) {
+            const double root = static_cast<double>(i) / last;
+            const auto above = std::ranges::upper_bound(light, static_cast<float>(root * root * light.back()));
+            const auto interval = std::distance(light.begin(), above) - 1;
+            table.at(i, channel + 3) = static_cast<float>(std::clamp<std::ptrdiff_t>(interval, 0, last - 1));
+        }
+    }
+    return table;
+}
+
 void put(ImageF& image, const Region& part, const ImageF& packed) {
     for (int y = 0; y < part.height; ++y) {
         std::copy_n(packed.pixel(0, y), part.width * image.channels(), image.pixel(part.x, part.y + y));
@@ -29,12 +48,12 @@ void put(ImageF& image, const Region& part, const ImageF& packed) {
 CompositePass::CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response)
     : shaders_(shaders),
       lens_nodes_({.format = GL_RG32F, .width = lens_nodes.width(), .height = lens_nodes.height()}),
-      response_({.format = GL_R32F, .width = response.width(), .height = response.height()}),
+      response_({.format = GL_R32F, .width = response.width(), .height = 6}),
       lens_spacing_(lens_spacing),
       empty_({.format = GL_RGBA32F, .width = 2, .height = 2}),
       empty_id_({.format = GL_R32UI, .width = 2, .height = 2}) {
     lens_nodes_.upload(lens_nodes);
-    response_.upload(response);
+    response_.upload(with_starting_points(response));
 }
 
 void CompositePass::hold(const Region& region, bool layers) {
