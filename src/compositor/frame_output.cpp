@@ -100,7 +100,8 @@ public:
         const ImageF no_normal(1, 1, 3);
         const FrameLayers* layers = frame.layers ? &*frame.layers : nullptr;
         const Region window = layers != nullptr ? layers->region : Region{0, 0, 1, 1};
-        // A ratio is 1 where there is no shadow, while EXR takes 0 outside a part's window: so it covers the whole frame.
+        // A ratio is 1 where there is no shadow, while EXR takes 0 outside a part's window: so it covers the whole
+        // frame.
         ImageF shadow(format.width, format.height, 3, 1.0F);
         parts.push_back({"shadow", {"R", "G", "B"}, &shadow, true, {}});
         if (layers != nullptr) {

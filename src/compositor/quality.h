@@ -8,8 +8,8 @@
 namespace matchlight {
 
 struct Quality {
-    int supersampling = 2;  // layer pixels along each side of a plate pixel, each with `samples` samples
-    int samples = 1;  // multisampling; with small triangles a sample costs more than a pixel
+    int supersampling = 2;     // layer pixels along each side of a plate pixel, each with `samples` samples
+    int samples = 1;           // multisampling; with small triangles a sample costs more than a pixel
     int mirror_face_px = 512;  // the reflection cube's sharpest level
     ContactShadowSettings shadow;
     ObjectShadowSettings object_shadow;

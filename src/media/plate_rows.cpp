@@ -97,7 +97,7 @@ void PlateRowReader::interpolate_chroma(int component, int y, std::vector<float>
 
     const int step = static_cast<int>(across_.size());
     const int blocks = chroma_count_ - 2;  // without the neighbour at either end
-    if (step <= 1) {  // no block is narrower than a pixel
+    if (step <= 1) {                       // no block is narrower than a pixel
         std::copy_n(samples + 1, width_, values.data());
         return;
     }

@@ -38,7 +38,7 @@ struct CompositeInput {
     const ContactShadow* shadow = nullptr;  // null: no shadow, which is a ratio of 1
     FrameOptics optics;
     double least_visible_loss = 0;  // a shadow that takes less leaves the pixel the plate's
-    bool layers = false;  // also return linear light and the ratio
+    bool layers = false;            // also return linear light and the ratio
 };
 
 /// All over the input's region; what lies outside its runs is not written.
