@@ -89,12 +89,14 @@ std::optional<CardReading> read_card(const PlateFrame& frame, const PlateLight& 
             if (pixel.paper && pixel.light[channel] >= plate_light.clipped_light(static_cast<int>(channel))) ++clipped;
         }
         const TrimmedMean white = interquartile_mean(paper), black = interquartile_mean(ink);
-        const double difference = white.mean - black.mean;
         // A few clipped pixels are noise or a glint, and trimmed away; more, and the mean is only a lower bound.
-        reading.usable[channel] = clipped * 10 < paper.size() && difference > 1e-4;
-        reading.difference[channel] = difference;
-        reading.relative_error[channel] =
-            std::hypot(white.standard_error, black.standard_error) / std::max(difference, 1e-4);
+        const bool clipped_paper = clipped * 10 >= paper.size();
+        constexpr double darkest = 1e-4;  // below a fortieth of an 8-bit code nothing is known
+        const double difference = white.mean - black.mean;
+        reading.difference[channel] = {
+            difference, std::hypot(white.standard_error, black.standard_error) / std::max(difference, darkest),
+            !clipped_paper && difference > darkest};
+        reading.ink[channel] = {black.mean, black.standard_error / std::max(black.mean, darkest), black.mean > darkest};
     }
     return reading;
 }

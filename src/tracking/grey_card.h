@@ -9,13 +9,20 @@
 
 namespace matchlight {
 
-/// Linear plate light of paper minus that of ink. What lies on both alike (gloss, veiling glare) drops out of the
-/// difference.
+/// A light of one channel with its standard error; unusable where it is clipped or not above zero.
+struct CardLight {
+    double light = 0;
+    double relative_error = 0;
+    bool usable = false;
+};
+
+/// Linear plate light that a tag's surfaces send, per channel.
 struct CardReading {
     int id = 0;
-    std::array<double, 3> difference{};      // per channel
-    std::array<double, 3> relative_error{};  // standard error of `difference` over it
-    std::array<bool, 3> usable{};            // false where paper is clipped in that channel, or ink as light as paper
+    /// Paper minus ink: what lies on both alike (gloss, veiling glare) drops out.
+    std::array<CardLight, 3> difference;
+    /// Ink alone, which is still seen when paper is clipped.
+    std::array<CardLight, 3> ink;
 };
 
 /// Interquartile means over pixels that see nothing but paper, or nothing but ink: at least 2.5 px from any edge where

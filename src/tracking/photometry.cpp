@@ -3,15 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <compare>
 
 namespace matchlight {
 
 namespace {
 
+/// A tag's paper-minus-ink, or its ink alone.
+struct Surface {
+    int tag = 0;
+    bool ink = false;
+    auto operator<=>(const Surface&) const = default;
+};
+
 struct LogReading {
     std::size_t frame = 0;
-    int tag = 0;
+    Surface surface;
     double value = 0;     // natural log of reading over expectation
     double variance = 0;  // of `value`
 };
@@ -21,8 +28,14 @@ struct TwoWayFit {
     std::vector<double> frame_sigma;
 };
 
-/// Middle of `values` by weight; between two, where they meet at exactly half.
+/// Middle of `values` by weight; between two, where they meet at exactly half. Those without weight count only where
+/// none has any.
 double weighted_median(std::vector<std::pair<double, double>> values) {
+    if (std::ranges::any_of(values, [](const auto& value) { return value.second > 0; })) {
+        std::erase_if(values, [](const auto& value) { return value.second <= 0; });
+    } else {
+        for (auto& [value, weight] : values) weight = 1;
+    }
     std::ranges::sort(values);
     double total = 0;
     for (const auto& [value, weight] : values) total += weight;
@@ -39,6 +52,8 @@ double weighted_median(std::vector<std::pair<double, double>> values) {
 
 /// Light on paper is never quite what a flat card would send: curl, gloss and cast light vary by about a percent.
 constexpr double paper_variance = 0.01 * 0.01;
+/// Gloss and veil make up much of the light of ink and change with the view.
+constexpr double ink_variance = 0.08 * 0.08;
 
 TwoWayFit fit_two_way(const std::vector<LogReading>& readings, std::size_t frame_count,
                       const std::map<int, CardExpectation>& expectations) {
@@ -47,12 +62,17 @@ TwoWayFit fit_two_way(const std::vector<LogReading>& readings, std::size_t frame
     fit.frame_sigma.assign(frame_count, 0);
     if (readings.empty()) return fit;
     std::vector<double> frame(frame_count, 0);
-    std::map<int, double> offset;
+    std::map<Surface, double> offset;
 
+    // Where paper is never seen unclipped, ink has to set the scale too.
+    const bool any_paper = std::ranges::any_of(readings, [](const LogReading& r) { return !r.surface.ink; });
+    const auto anchor_weight = [&](const Surface& surface) {
+        return surface.ink && any_paper ? 0.0 : expectations.at(surface.tag).weight;
+    };
     // Start: offsets against the frame's weighted median, so that frames with different tags agree soon.
     std::vector<std::vector<std::pair<double, double>>> by_frame(frame_count);
     for (const LogReading& reading : readings) {
-        by_frame[reading.frame].emplace_back(reading.value, expectations.at(reading.tag).weight);
+        by_frame[reading.frame].emplace_back(reading.value, anchor_weight(reading.surface));
     }
     for (std::size_t f = 0; f < frame_count; ++f) frame[f] = weighted_median(by_frame[f]);
 
@@ -63,23 +83,23 @@ TwoWayFit fit_two_way(const std::vector<LogReading>& readings, std::size_t frame
     };
     constexpr int rounds = 60;
     for (int round = 0; round < rounds; ++round) {
-        std::map<int, std::pair<double, double>> offset_sums;
+        std::map<Surface, std::pair<double, double>> offset_sums;
         for (const LogReading& reading : readings) {
             const double estimate = reading.value - frame[reading.frame];
-            const double weight = robust_weight(estimate - offset[reading.tag], reading.variance);
-            offset_sums[reading.tag].first += weight * estimate;
-            offset_sums[reading.tag].second += weight;
+            const double weight = robust_weight(estimate - offset[reading.surface], reading.variance);
+            offset_sums[reading.surface].first += weight * estimate;
+            offset_sums[reading.surface].second += weight;
         }
         std::vector<std::pair<double, double>> medians;
-        for (const auto& [tag, sums] : offset_sums) {
-            offset[tag] = sums.first / sums.second;
-            medians.emplace_back(offset[tag], expectations.at(tag).weight);
+        for (const auto& [surface, sums] : offset_sums) {
+            offset[surface] = sums.first / sums.second;
+            medians.emplace_back(offset[surface], anchor_weight(surface));
         }
         const double middle = weighted_median(medians);
-        for (auto& [tag, value] : offset) value -= middle;
+        for (auto& [surface, value] : offset) value -= middle;
         std::vector<std::pair<double, double>> frame_sums(frame_count);
         for (const LogReading& reading : readings) {
-            const double estimate = reading.value - offset[reading.tag];
+            const double estimate = reading.value - offset[reading.surface];
             const double weight = robust_weight(estimate - frame[reading.frame], reading.variance);
             frame_sums[reading.frame].first += weight * estimate;
             frame_sums[reading.frame].second += weight;
@@ -121,12 +141,16 @@ ClipPhotometry solve_photometry(const std::vector<std::vector<CardReading>>& rea
         for (std::size_t f = 0; f < readings.size(); ++f) {
             for (const CardReading& reading : readings[f]) {
                 const auto expected = expectations.find(reading.id);
-                if (!reading.usable[channel] || expected == expectations.end()) continue;
-                if (!(expected->second.difference[channel] > 0)) continue;
-                const double error = reading.relative_error[channel];
-                logs.push_back({f, reading.id,
-                                std::log(reading.difference[channel] / expected->second.difference[channel]),
-                                error * error + paper_variance});
+                if (expected == expectations.end()) continue;
+                const auto add = [&](const CardLight& read, double expected_light, bool ink) {
+                    if (!read.usable || !(expected_light > 0)) return;
+                    logs.push_back({f,
+                                    {reading.id, ink},
+                                    std::log(read.light / expected_light),
+                                    read.relative_error * read.relative_error + (ink ? ink_variance : paper_variance)});
+                };
+                add(reading.difference[channel], expected->second.difference[channel], false);
+                add(reading.ink[channel], expected->second.ink[channel], true);
             }
         }
         fits[channel] = fit_two_way(logs, readings.size(), expectations);

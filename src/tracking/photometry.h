@@ -16,6 +16,7 @@ namespace matchlight {
 /// Tags nearest the probe's place weigh most when the scale is set.
 struct CardExpectation {
     std::array<double, 3> difference{1, 1, 1};
+    std::array<double, 3> ink{0.05, 0.05, 0.05};  // black albedo · E(n) / π
     double weight = 1;
 };
 
@@ -32,8 +33,10 @@ struct ClipPhotometry {
 
 /// log(reading / expectation) = exposure of the frame + offset of the tag, solved for both, robustly, channel by
 /// channel: a tag that lies in shadow, or that comes and goes, does not move the exposure of the frames it is seen in.
-/// The offsets' weighted median is zero. Every frame is estimated from its own pixels: nothing is smoothed over time.
-/// Without expectations (no probe) the exposure is relative to the first frame that has one.
+/// The offsets' weighted median is zero. Ink alone joins as if it were a further tag of lower weight: its gloss makes
+/// its offset unknown, but frames that show both tie it in, so exposure is still followed where paper is clipped.
+/// Without a probe (`relative`) paper is taken as neutral and the exposure as 0 in the first frame. Every frame is
+/// estimated from its own pixels: nothing is smoothed over time.
 ClipPhotometry solve_photometry(const std::vector<std::vector<CardReading>>& readings,
                                 const std::map<int, CardExpectation>& expectations, bool relative);
 

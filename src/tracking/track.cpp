@@ -175,7 +175,9 @@ private:
             if (probe) {
                 const Eigen::Vector3d light = irradiance(*probe, place.linear() * Eigen::Vector3d::UnitZ());
                 for (std::size_t c = 0; c < 3; ++c) {
-                    card.difference[c] = albedo_difference * light[static_cast<Eigen::Index>(c)] / std::numbers::pi;
+                    const double reflected = light[static_cast<Eigen::Index>(c)] / std::numbers::pi;
+                    card.difference[c] = albedo_difference * reflected;
+                    card.ink[c] = scene_.tags.black_albedo * reflected;
                 }
                 if (scene_.probe->place_m) {
                     constexpr double near_m = 0.05;  // closer than this, the probe's own size blurs the difference
