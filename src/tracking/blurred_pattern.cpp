@@ -135,7 +135,8 @@ BlurredPattern::BlurredPattern(const TagPattern& pattern) : cells_(pattern.cells
     }
 }
 
-PatternSample BlurredPattern::at(double a, double b, const AxisFootprint& along_a, const AxisFootprint& along_b) const {
+PatternSample BlurredPattern::at(double a, double b, const AxisFootprint& along_a, const AxisFootprint& along_b,
+                                 double covariance) const {
     const AxisShares columns = shares_along(a, cells_, along_a);
     const AxisShares rows = shares_along(b, cells_, along_b);
     PatternSample sample;
@@ -154,7 +155,9 @@ PatternSample BlurredPattern::at(double a, double b, const AxisFootprint& along_
         sample.by_blur_a += row.share * by_blur_a;
         sample.by_b += row.by_place * paper;
         sample.by_blur_b += row.by_blur * paper;
+        sample.by_covariance += row.by_place * by_a;
     }
+    sample.paper += covariance * sample.by_covariance;
     return sample;
 }
 

@@ -20,10 +20,12 @@ struct PatternSample {
     double paper = 0;
     double by_a = 0, by_b = 0;            // per cell
     double by_blur_a = 0, by_blur_b = 0;  // per cell of blur
+    double by_covariance = 0;             // per square cell
 };
 
-/// A tag's cells convolved with a box (the pixel) and a Gaussian (lens, motion), separately along the tag's two axes:
-/// exact on every straight edge whatever the tilt; only at the corners of cells is the blur's slant left out.
+/// A tag's cells convolved with a box (the pixel) and a Gaussian (lens, motion). Along the tag's two axes the blur is
+/// exact, and so is every straight edge whatever the tilt; that the blur may lie aslant to the axes shows at the
+/// corners of cells only and is kept to first order: d/dΣ_ab of a Gaussian blur is ∂²/∂a∂b.
 class BlurredPattern {
 public:
     explicit BlurredPattern(const TagPattern& pattern);
@@ -31,7 +33,9 @@ public:
     int cells() const { return cells_; }
     /// At grid point (a, b): a to the right of the sheet, b down it, in cells. Beyond the grid, and in cells without
     /// ink of their own, the nearest known cell goes on.
-    PatternSample at(double a, double b, const AxisFootprint& along_a, const AxisFootprint& along_b) const;
+    /// `covariance` (square cells) is that of the blur, pixel included, between the axes.
+    PatternSample at(double a, double b, const AxisFootprint& along_a, const AxisFootprint& along_b,
+                     double covariance) const;
 
     /// Whether a point lies at least half a cell away from everything the pattern does not tell.
     bool is_known(double a, double b) const;

@@ -16,10 +16,12 @@ struct PoseCandidates {
     std::vector<CameraPose> poses;
 };
 
-/// Index of the chosen candidate of each frame (Viterbi 1967 over at most two states), nullopt where there is none.
-/// A state costs its robust reprojection cost; a change costs by the angle through which the camera would have moved
-/// around `target_world_m` between frames: that swings by twice the tilt when a tag flips, and hardly at all when the
-/// camera pans. Cuts are affordable, so a clip may hold several shots.
+/// Index of the chosen candidate of each frame, nullopt where there is none: Viterbi (1967) over at most two states.
+/// A state costs its robust reprojection cost; a change costs by how far the direction from which the camera sees
+/// `target_world_m` departs from where the surviving path expected it, in standard deviations. That direction swings by
+/// twice the tilt when a tag flips, and not at all when the camera pans. Every survivor carries its own expectation, a
+/// random walk filtered over its past (per-survivor processing; Raheli, Polydoros & Tzou 1995), so that one frame in
+/// which both poses are poor is no bridge to the wrong branch. Cuts are affordable: a clip may hold several shots.
 std::vector<std::optional<std::size_t>> choose_branches(const std::vector<PoseCandidates>& frames,
                                                         const Eigen::Vector3d& target_world_m);
 

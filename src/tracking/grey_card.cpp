@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "tracking/tag_pixels.h"
+
 namespace matchlight {
 
 namespace {
@@ -56,7 +58,7 @@ std::vector<PurePixel> pure_pixels(const PlateFrame& frame, const PlateLight& pl
             const AxisFootprint sharp{1e-3, 1e-3};
             const float* sample = light.pixel(x, y);
             pixels.push_back(
-                {{sample[0], sample[1], sample[2]}, margin_px, pattern.at(a, b, sharp, sharp).paper > 0.5});
+                {{sample[0], sample[1], sample[2]}, margin_px, pattern.at(a, b, sharp, sharp, 0).paper > 0.5});
         }
     }
     return pixels;

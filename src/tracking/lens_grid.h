@@ -9,8 +9,8 @@
 
 namespace matchlight {
 
-/// Normalised image coordinates (z = 1) of any pixel of the frame. Between grid points, 4 px apart, the correction of
-/// the lens is interpolated linearly; for |k1| = 0.3 at f = 0.8 widths that is within 1e-3 px of Newton's method.
+/// Normalised image coordinates (z = 1) of any pixel of the frame. Between grid points a few pixels apart the
+/// correction of the lens is interpolated linearly: within 1e-3 px of Newton's method for ordinary lenses.
 class LensGrid {
 public:
     explicit LensGrid(const Camera& camera);
@@ -23,6 +23,7 @@ public:
 private:
     Camera camera_;
     bool pinhole_ = false;
+    int step_px_ = 4;
     int columns_ = 0, rows_ = 0;
     std::vector<Eigen::Vector2d> correction_;  // exact normalised minus pinhole normalised
 };

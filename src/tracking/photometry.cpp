@@ -77,9 +77,10 @@ TwoWayFit fit_two_way(const std::vector<LogReading>& readings, std::size_t frame
     for (std::size_t f = 0; f < frame_count; ++f) frame[f] = weighted_median(by_frame[f]);
 
     const auto robust_weight = [](double residual, double variance) {
-        constexpr double knee = 2;  // Huber's: beyond two standard deviations a reading pulls no harder
-        const double sigmas = std::abs(residual) / std::sqrt(variance);
-        return (sigmas <= knee ? 1 : knee / sigmas) / variance;
+        // Cauchy's: a tag in shadow is off by dozens of standard deviations and must lose its voice, not just pull no
+        // harder than the others.
+        constexpr double knee = 2;
+        return 1 / (variance * (1 + residual * residual / (knee * knee * variance)));
     };
     constexpr int rounds = 60;
     for (int round = 0; round < rounds; ++round) {

@@ -39,11 +39,7 @@ struct TagImageFit {
     std::array<double, 2> cell_px{};
 };
 
-/// The pixels that the grid of `cells` × `cells` covers; empty where the lens does not reach or the tag crosses the
-/// camera's horizon.
-Region region_of_grid(const Eigen::Matrix3d& grid_from_normalized, int cells, const Camera& camera);
-
-/// Fits homography (8), blur along both axes (2) and planes of light for paper and ink (6) to the pixels of `light`
+/// Fits homography (8), blur (3) and planes of light for paper and ink (6) to the pixels of `light`
 /// near the tag's edges, weighted robustly. `clipped_light` is the level above which light is only a lower bound.
 /// nullopt when the pixels do not look like that tag: a decoy. When they do but the fit does not hold (too blurred, too
 /// small), the library's corners come back with a wide covariance.
