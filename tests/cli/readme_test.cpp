@@ -1,5 +1,6 @@
 // The README is true: its scene reference is the program's own, and every command of its tour runs.
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -34,6 +35,17 @@ std::vector<std::vector<std::string>> calls_of_the_tour() {
         calls.push_back(call);
     }
     return calls;
+}
+
+TEST(Readme, LinksOnlyToWhatIsThere) {
+    const std::string text = readme();
+    const std::regex link(R"(\]\(([^)#:]+)\))");  // a colon would be of an address elsewhere
+    int links = 0;
+    for (std::sregex_iterator found(text.begin(), text.end(), link), end; found != end; ++found, ++links) {
+        const std::string target = (*found)[1];
+        EXPECT_TRUE(fs::exists(fs::path(MATCHLIGHT_SOURCE_DIR) / target)) << target;
+    }
+    EXPECT_GE(links, 4);
 }
 
 TEST(Readme, HoldsTheSceneReferenceOfTheProgram) {
