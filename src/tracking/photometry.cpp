@@ -13,7 +13,7 @@ namespace {
 struct Surface {
     int tag = 0;
     bool ink = false;
-    auto operator<=>(const Surface&) const = default;
+    auto operator<=>(const Surface&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads it
 };
 
 struct LogReading {

@@ -28,12 +28,31 @@ std::string section_of(const std::string& effective_toml, std::string_view secti
 bool any_key(std::string_view) {
     return true;
 }
+bool is_albedo_key(std::string_view key) {
+    return key == "white_albedo" || key == "black_albedo";
+}
 bool is_footage_name(std::string_view key) {
     return key == "video";
 }
 /// Camera and response are compared by what is in their files.
 bool is_color_or_time_key(std::string_view key) {
     return key == "color_matrix" || key == "color_range" || key == "fps";
+}
+
+/// A tag that the solve does not hold, or whose place the scene does not give, contradicts nothing.
+bool contradicts(const RigTag& tag, const std::vector<SolvedTag>& rig) {
+    // Settings are kept to the last bits of a double; a micrometre is far above those and below any ruler.
+    constexpr double tolerance_m = 1e-6;
+    constexpr double tolerance_of_rotation = 1e-6;
+    for (const SolvedTag& solved : rig) {
+        if (solved.id != tag.id) continue;
+        if (std::abs(solved.size_m - tag.size_m) > tolerance_m) return true;
+        if (!tag.world_from_tag) return false;
+        const Eigen::Matrix4d difference = tag.world_from_tag->matrix() - solved.world_from_tag.matrix();
+        return difference.topRightCorner<3, 1>().cwiseAbs().maxCoeff() > tolerance_m ||
+               difference.topLeftCorner<3, 3>().cwiseAbs().maxCoeff() > tolerance_of_rotation;
+    }
+    return false;
 }
 
 bool same_camera(const Camera& a, const Camera& b) {
@@ -66,7 +85,10 @@ void check_solve_is_of_scene(const Solve& solve, const Scene& scene, Warnings& w
     const auto refuse = [&](const std::string& what) {
         throw InputError(path, "was made with " + what, "run: matchlight track " + scene.path.string());
     };
-    if (differs("tags", any_key)) refuse("other [tags] than the scene has");
+    for (const RigTag& tag : scene.tags.rig) {
+        if (contradicts(tag, solve.rig))
+            refuse("another size or place of tag " + std::to_string(tag.id) + " in [tags]");
+    }
     if (differs("footage", is_color_or_time_key)) refuse("other settings of [footage] than the scene has");
 
     const Camera camera = camera_for_size(load_camera(scene.footage.camera), solve.camera.width, solve.camera.height,
@@ -77,7 +99,8 @@ void check_solve_is_of_scene(const Solve& solve, const Scene& scene, Warnings& w
     if (!same_response(response, solve.response)) refuse("another response than the scene has");
 
     const std::string cure = "; to follow the change run: matchlight track " + scene.path.string();
-    if (differs("light", any_key)) warnings.add(path.string() + ": was made with another [light]" + cure);
+    if (differs("light", any_key) || differs("tags", is_albedo_key))
+        warnings.add(path.string() + ": was made with another light or grey card" + cure);
     if (differs("footage", is_footage_name)) warnings.add(path.string() + ": was made from another video" + cure);
 }
 

@@ -2,6 +2,7 @@
 #include "tracking/solve_freshness.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -33,6 +34,7 @@ protected:
         scene_.footage.camera = folder_ / "camera.yaml";
         scene_.effective_toml = text_;
         solve_.camera = camera_;
+        solve_.rig = {{.id = 0, .size_m = 0.08, .world_from_tag = RigidTransform::Identity()}};
         solve_.provenance = "matchlight 0.1.0, track\n" + text_;
     }
     void TearDown() override { fs::remove_all(folder_); }
@@ -76,11 +78,28 @@ TEST_F(SolveFreshness, ObjectsAndOutputMayChange) {
     EXPECT_TRUE(warnings_.empty());
 }
 
-TEST_F(SolveFreshness, OtherTagsAreRefused) {
-    change("size = 0.08", "size = 0.09");
-    EXPECT_NE(refusal().find("[tags]"), std::string::npos);
+TEST_F(SolveFreshness, AnotherSizeOrPlaceOfATagIsRefused) {
+    scene_.tags.rig = {{.id = 0, .size_m = 0.09, .world_from_tag = std::nullopt}};
+    EXPECT_NE(refusal().find("tag 0 in [tags]"), std::string::npos);
     EXPECT_NE(refusal().find("shot.solve.json"), std::string::npos);
     EXPECT_NE(refusal().find("matchlight track"), std::string::npos);
+
+    RigidTransform place = RigidTransform::Identity();
+    scene_.tags.rig[0] = {.id = 0, .size_m = 0.08, .world_from_tag = place};
+    EXPECT_EQ(refusal(), "");
+    place.translation().x() = 0.001;
+    scene_.tags.rig[0].world_from_tag = place;
+    EXPECT_NE(refusal().find("tag 0 in [tags]"), std::string::npos);
+    place = RigidTransform(Eigen::AngleAxisd(0.001, Eigen::Vector3d::UnitZ()));
+    scene_.tags.rig[0].world_from_tag = place;
+    EXPECT_NE(refusal().find("tag 0 in [tags]"), std::string::npos);
+}
+
+TEST_F(SolveFreshness, TagsThatContradictNothingAreTaken) {
+    scene_.tags.rig = {{.id = 0, .size_m = 0.08, .world_from_tag = std::nullopt},
+                       {.id = 5, .size_m = 0.05, .world_from_tag = RigidTransform::Identity()}};
+    EXPECT_EQ(refusal(), "");
+    EXPECT_TRUE(warnings_.empty());
 }
 
 TEST_F(SolveFreshness, AnotherLensIsRefused) {
@@ -118,7 +137,7 @@ TEST_F(SolveFreshness, AnotherLightOrVideoIsAWarning) {
 
 TEST_F(SolveFreshness, ASolveOfAnotherProgramIsTakenAsItIs) {
     solve_.provenance.clear();
-    change("size = 0.08", "size = 0.09");
+    scene_.tags.rig = {{.id = 0, .size_m = 0.09, .world_from_tag = std::nullopt}};
     solve_.camera.fx = 1;
     EXPECT_EQ(refusal(), "");
 }
