@@ -25,8 +25,10 @@ struct TrimmedMean {
 
 /// Mean of the middle half: a glint or a shadow over less than a quarter of the cells moves it little.
 TrimmedMean interquartile_mean(std::vector<double> values) {
-    std::ranges::sort(values);
     const std::size_t from = values.size() / 4, to = values.size() - from;
+    const auto at = [&](std::size_t index) { return values.begin() + static_cast<std::ptrdiff_t>(index); };
+    std::nth_element(values.begin(), at(from), values.end());
+    std::nth_element(at(from), at(to - 1), values.end());
     double sum = 0;
     for (std::size_t i = from; i < to; ++i) sum += values[i];
     const double mean = sum / static_cast<double>(to - from);

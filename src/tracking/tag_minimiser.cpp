@@ -132,7 +132,7 @@ std::optional<TagFitState> TagMinimiser::minimise(const Vector& start, Light lig
             }
             damping = std::max(damping * 10, 1e-6);
         }
-        constexpr double settled_px = 2e-3;
+        constexpr double settled_px = 5e-3;
         if (!lowered || (moved_px < settled_px && iteration > 1)) break;
     }
     if (!(contrast_of(state.parameters) > 0)) return std::nullopt;
@@ -165,7 +165,7 @@ TagFitState TagMinimiser::centred_on_mean(TagFitState state) const {
     constexpr double least_wider_px = 1.2;  // covers the steps of a short exposure's blur
     const double widest_px = 0.35 * cell_px_;
     const double cut = cut_for(state);
-    constexpr int steps = 3;
+    constexpr int steps = 2;
     for (int i = 0; i < steps; ++i) {
         Vector wider = state.parameters;
         for (int axis = 0; axis < 2; ++axis) {

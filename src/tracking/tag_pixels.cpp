@@ -91,7 +91,7 @@ std::vector<TagPixel> gather_pixels(const ImageF& light, const LensGrid& lens, c
         }
     }
     // A tag that fills a 4K frame has more edge pixels than its corners need.
-    constexpr std::size_t most_pixels = 4000;
+    constexpr std::size_t most_pixels = 3000;
     if (pixels.size() > most_pixels) {
         const double step = static_cast<double>(pixels.size()) / most_pixels;
         for (std::size_t i = 0; i < most_pixels; ++i) pixels[i] = pixels[static_cast<std::size_t>(double(i) * step)];
