@@ -39,8 +39,8 @@ Eigen::AlignedBox2d normalized_bounds_of_box(const Eigen::AlignedBox3d& box_worl
 
 Eigen::AlignedBox2d normalized_bounds_of_rectangle(const Eigen::AlignedBox2d& rectangle_m, double z_m,
                                                    const RigidTransform& camera_from_world, const LensMap& lens_map) {
-    const Eigen::Vector2d low = rectangle_m.min();
-    const Eigen::Vector2d high = rectangle_m.max();
+    const Eigen::Vector2d& low = rectangle_m.min();
+    const Eigen::Vector2d& high = rectangle_m.max();
     return normalized_bounds(
         {{low.x(), low.y(), z_m}, {high.x(), low.y(), z_m}, {high.x(), high.y(), z_m}, {low.x(), high.y(), z_m}},
         {{0, 1}, {1, 2}, {2, 3}, {3, 0}}, camera_from_world, lens_map);
