@@ -35,7 +35,8 @@ struct NormalDistribution {
     Value at(double z) const {
         if (z <= -end) return {0, 0};
         if (z >= end) return {1, 0};
-        const auto index = static_cast<std::size_t>((z + end) * steps_per_unit + 0.5);
+        constexpr double half_a_step = 0.5 / steps_per_unit;
+        const auto index = static_cast<std::size_t>((z + end + half_a_step) * steps_per_unit);
         const double from = static_cast<double>(index) / steps_per_unit - end;
         const double step = z - from;
         const Value& value = table_[index];
