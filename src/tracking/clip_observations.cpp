@@ -33,13 +33,28 @@ struct FrameFindings {
     std::int64_t decoys = 0;
 };
 
+/// Tags found in light, and those that only show when shadows are lifted; the fit corrects the latter's corners. The
+/// second search is made only when a wanted tag is missing.
+std::vector<TagDetection> detect_all(const TagDetector& detector, const ImageF& light, const std::set<int>& wanted) {
+    std::vector<TagDetection> detections = detector.detect(detection_image(light));
+    const auto is_found = [&, count = detections.size()](int id) {
+        return std::any_of(detections.begin(), detections.begin() + static_cast<std::ptrdiff_t>(count),
+                           [&](const TagDetection& detection) { return detection.id == id; });
+    };
+    if (std::ranges::all_of(wanted, is_found)) return detections;
+    for (const TagDetection& detection : detector.detect(detection_image(light, DetectionScale::perceptual))) {
+        if (!is_found(detection.id)) detections.push_back(detection);
+    }
+    return detections;
+}
+
 FrameFindings examine(const PlateFrame& frame, const TagDetector& detector, const std::set<int>& wanted,
                       const PlateLight& plate_light, const LensGrid& lens) {
     FrameFindings findings;
     findings.observations.frame = frame.index();
     findings.observations.time_s = frame.time_s();
     const ImageF light = plate_light.gray(frame, whole_frame(frame));
-    for (const TagDetection& detection : detector.detect(detection_image(light))) {
+    for (const TagDetection& detection : detect_all(detector, light, wanted)) {
         if (!wanted.contains(detection.id)) {
             findings.foreign_ids.push_back(detection.id);
             continue;
@@ -116,7 +131,8 @@ std::string families_in_view(FrameSource& source, const Response& response) {
         if (looked >= looks || stop_requested()) break;
         if (frame->index() % step != 0) continue;
         ++looked;
-        const Image8 light8 = detection_image(plate_light.gray(*frame, whole_frame(*frame)));
+        const Image8 light8 =
+            detection_image(plate_light.gray(*frame, whole_frame(*frame)), DetectionScale::perceptual);
         for (const std::string& family : TagFamily::names()) {
             const TagDetector detector(family, {});
             for (const TagDetection& detection : detector.detect(light8)) {

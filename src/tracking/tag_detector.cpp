@@ -59,7 +59,14 @@ std::vector<TagDetection> TagDetector::detect(const Image8& light8) const {
     return detections;
 }
 
-Image8 detection_image(const ImageF& light) {
+Image8 detection_image(const ImageF& light, DetectionScale scale) {
+    Image8 light8(light.width(), light.height(), 1);
+    if (scale == DetectionScale::perceptual) {
+        std::ranges::transform(light.samples(), light8.samples().begin(), [](float value) {
+            return static_cast<std::uint8_t>(255 * std::sqrt(std::clamp(value, 0.0f, 1.0f)) + 0.5f);
+        });
+        return light8;
+    }
     // A histogram of the light on a grid of pixels; light is 0..1 of what the camera can record.
     constexpr int bins = 1024;
     constexpr int step = 4;
@@ -79,10 +86,9 @@ Image8 detection_image(const ImageF& light) {
         above += counts[static_cast<std::size_t>(bin)];
         --bin;
     }
-    const float scale = 255.0f * (bins - 1) / static_cast<float>(std::max(bin + 1, 8));
-    Image8 light8(light.width(), light.height(), 1);
+    const float gain = 255.0f * (bins - 1) / static_cast<float>(std::max(bin + 1, 8));
     std::ranges::transform(light.samples(), light8.samples().begin(), [&](float value) {
-        return static_cast<std::uint8_t>(std::clamp(value * scale + 0.5f, 0.0f, 255.0f));
+        return static_cast<std::uint8_t>(std::clamp(value * gain + 0.5f, 0.0f, 255.0f));
     });
     return light8;
 }

@@ -50,8 +50,12 @@ private:
     std::unique_ptr<apriltag_detector, void (*)(apriltag_detector*)> detector_;
 };
 
-/// Linear light as the 8-bit image the detector wants: scaled so that the brightest surface that fills a noticeable
-/// part of the frame is not clipped, while a window or a lamp may be.
-Image8 detection_image(const ImageF& light);
+/// How light becomes the 8 bits that the detector sees.
+enum class DetectionScale {
+    linear,      // proportional to light: edges lie where the ink ends; scaled so that the brightest surface that fills
+                 // a noticeable part of the frame is not clipped, while a window or a lamp may be
+    perceptual,  // square root of light: keeps steps for tags in deep shadow, at the price of biased corners
+};
+Image8 detection_image(const ImageF& light, DetectionScale scale = DetectionScale::linear);
 
 }  // namespace matchlight

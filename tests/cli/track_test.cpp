@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "core/transfer.h"
 #include "core/warnings.h"
 #include "media/frame_source.h"
 #include "media/image_io.h"
@@ -259,6 +260,27 @@ TEST_F(TrackCommand, ATagSeenTwiceKeepsTheOneThatFits) {
     EXPECT_TRUE(warned_of(result, {"4 frames", "twice"}));
     const json frame = solve().at("frames").at(0);
     EXPECT_LT(registration_error_px(matrix_of(frame.at("camera_from_world")), pose_of(true_frames[0])), 0.1);
+}
+
+TEST_F(TrackCommand, ATagInDeepShadowIsStillUsed) {
+    write_frames(2, [](int, Image8& picture) {
+        // The right of the picture, with tag 2, gets a sixtieth of the light.
+        for (int y = 0; y < picture.height(); ++y) {
+            for (int x = 388; x < picture.width(); ++x) {
+                for (int c = 0; c < 3; ++c) {
+                    const double light = linear_from_srgb_code(picture.at(x, y, c) / 255.0) / 60;
+                    picture.at(x, y, c) = static_cast<std::uint8_t>(std::lround(255 * srgb_code_from_linear(light)));
+                }
+            }
+        }
+    });
+    write_scene("f_%03d.png", all_tags);
+    ASSERT_TRUE(succeeded(track()));
+    const json frame = solve().at("frames").at(0);
+    EXPECT_THAT(frame.at("tags"), testing::Contains(2));
+    EXPECT_LT(registration_error_px(matrix_of(frame.at("camera_from_world")), pose_of(true_frames[0])), 0.05);
+    // The shadow on one tag of four does not pass for a darker exposure.
+    EXPECT_NEAR(frame.at("exposure_ev"), true_frames[0].ev, 0.1);
 }
 
 TEST_F(TrackCommand, TagsUnder25PixelsAreDoubted) {

@@ -198,6 +198,25 @@ TEST(TagFit, AMirroredTagIsNotDetected) {
     }
 }
 
+TEST(TagFit, ATagInDeepShadowIsFoundWhenShadowsAreLifted) {
+    // Paper at a hundredth of a sunlit ground: two of 255 linear steps, of which the thresholds keep nothing.
+    SyntheticView view = view_of(orbit_pose(0.45, 35, 75, 15));
+    view.paper = 0.01, view.ink = 0.0005, view.ground = 0.005;
+    view.blur_px = 0.7;
+    const SyntheticTag tag = tag_of("tag36h11", 4);
+    ImageF light = render_light(view, {tag});
+    for (int y = 0; y < 60; ++y) {
+        for (float& sample : light.row(y)) sample = 1;
+    }
+    const TagDetector detector("tag36h11", {});
+    EXPECT_TRUE(detector.detect(detection_image(light)).empty());
+    const auto detections = detector.detect(detection_image(light, DetectionScale::perceptual));
+    ASSERT_EQ(detections.size(), 1u);
+    const auto fit = fit_tag(light, never_clipped, LensGrid(view.camera), tag.pattern, detections[0]);
+    ASSERT_TRUE(fit);
+    EXPECT_LT(rms(error_px(view, tag, *fit)), 0.03);  // in linear light, whatever the detector saw
+}
+
 class EveryFamily : public testing::TestWithParam<std::string> {};
 
 TEST_P(EveryFamily, IsDetectedAndRefined) {
