@@ -33,12 +33,14 @@ public:
             result.frame = frame.frame;
             result.time_s = frame.time_s;
             used.push_back(choose_tags(frame, result.seen_twice));
-            for (const PlacedObservation& tag : used.back()) result.tags.push_back(tag.seen->id);
             candidates.push_back({frame.time_s, candidate_poses(used.back())});
         }
         const auto chosen = choose_branches(candidates, target_);
         for (std::size_t f = 0; f < frames.size(); ++f) {
-            if (chosen[f]) describe(path.frames[f], used[f], candidates[f].poses[*chosen[f]]);
+            if (!chosen[f]) continue;
+            CameraPose pose = candidates[f].poses[*chosen[f]];
+            path.frames[f].outvoted = drop_outvoted(used[f], pose);
+            describe(path.frames[f], used[f], pose);
         }
         return path;
     }
@@ -76,10 +78,35 @@ private:
         return once;
     }
 
+    /// Takes out tags that at least two others, which agree among themselves, contradict by far: moved, or fitted in a
+    /// smear of motion. Their weight was small already; now it is none.
+    bool drop_outvoted(std::vector<PlacedObservation>& tags, CameraPose& pose) const {
+        if (tags.size() < 3) return false;
+        std::vector<double> misfits;
+        for (const PlacedObservation& tag : tags) {
+            misfits.push_back(reprojection_rms_px({tag}, pose.camera_from_world, camera_));
+        }
+        std::vector<double> sorted = misfits;
+        std::ranges::sort(sorted);
+        constexpr double least_px = 2, times_the_median = 8;
+        const double most = std::max(least_px, times_the_median * sorted[(sorted.size() - 1) / 2]);
+        std::vector<PlacedObservation> kept;
+        for (std::size_t i = 0; i < tags.size(); ++i) {
+            if (misfits[i] <= most) kept.push_back(tags[i]);
+        }
+        if (kept.size() == tags.size() || kept.size() < 2) return false;
+        const std::optional<CameraPose> refined = refine_pose(kept, pose.camera_from_world);
+        if (!refined) return false;
+        tags = kept;
+        pose = *refined;
+        return true;
+    }
+
     static Eigen::Vector2d centre_px(const PlacedObservation& tag) { return tag.seen->corners_px.rowwise().mean(); }
 
     void describe(PathFrame& frame, const std::vector<PlacedObservation>& tags, const CameraPose& pose) const {
         frame.pose = pose;
+        for (const PlacedObservation& tag : tags) frame.tags.push_back(tag.seen->id);
         frame.reprojection_px = reprojection_rms_px(tags, pose.camera_from_world, camera_);
         double doubt = 1, largest_px = 0, least_tilt = std::numbers::pi;
         bool all_cut = true;

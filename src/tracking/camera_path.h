@@ -24,6 +24,7 @@ struct PathFrame {
     // Why the confidence is low.
     bool small = false, grazing = false, cut_off = false, disagreeing = false;
     bool seen_twice = false;
+    bool outvoted = false;  // a tag was left out because the others contradict it
 };
 
 struct CameraPath {

@@ -129,13 +129,14 @@ private:
             const auto place = rig.world_from_tag.find(tag.id);
             if (place != rig.world_from_tag.end()) solve_.rig.push_back({tag.id, tag.size_m, place->second});
         }
-        std::int64_t small = 0, grazing = 0, cut_off = 0, disagreeing = 0, twice = 0, measured = 0;
+        std::int64_t small = 0, grazing = 0, cut_off = 0, disagreeing = 0, twice = 0, outvoted = 0, measured = 0;
         for (const PathFrame& frame : path.frames) {
             SolvedFrame& solved = solve_.frames.emplace_back();
             solved.frame = frame.frame;
             solved.time_s = frame.time_s;
             solved.tags = frame.tags;
             twice += frame.seen_twice;
+            outvoted += frame.outvoted;
             for (const int id : frame.tags) ++summary_.frames_by_tag[id];
             if (!frame.pose) continue;
             solved.camera_from_world = frame.pose->camera_from_world;
@@ -163,6 +164,7 @@ private:
         warn("frames show only tags that the frame cuts off: the pose is uncertain", cut_off);
         warn("frames have tags that disagree by more than 2 px: one was moved, or the lens or a size is wrong",
              disagreeing);
+        warn("frames have a tag that the others outvote: it was moved, or smeared by motion", outvoted);
         warn("frames show an id twice: the one that fits the others was kept", twice);
     }
 

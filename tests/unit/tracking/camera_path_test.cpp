@@ -163,6 +163,20 @@ TEST(CameraPath, OfAnIdSeenTwiceTheOneThatFitsIsKept) {
     }
 }
 
+TEST(CameraPath, ATagThatWasMovedIsLeftOut) {
+    const auto rig = test::four_tags();
+    auto moved = rig;
+    moved[2].world_from_tag.translation() += Eigen::Vector3d(0.01, 0, 0);  // the sheet slid by a centimetre
+    const CameraPath path = solve_path(given(rig), places(rig), moving_clip(moved, 5, 0.05), ordinary_camera());
+    for (const PathFrame& frame : path.frames) {
+        ASSERT_TRUE(frame.pose);
+        EXPECT_TRUE(frame.outvoted);
+        EXPECT_EQ(frame.tags, (std::vector<int>{0, 1, 3}));
+        EXPECT_LT(angle_deg(frame.pose->camera_from_world, moving_pose(static_cast<int>(frame.frame))), 0.05);
+        EXPECT_LT(frame.reprojection_px, 0.15);
+    }
+}
+
 TEST(CameraPath, ConfidenceFallsWithSizeAndTilt) {
     const Camera camera = ordinary_camera();
     const auto confidence_of = [&](double size_m, double tilt_deg, bool& small, bool& grazing) {
