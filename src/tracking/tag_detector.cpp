@@ -63,7 +63,7 @@ Image8 detection_image(const ImageF& light, DetectionScale scale) {
     Image8 light8(light.width(), light.height(), 1);
     if (scale == DetectionScale::perceptual) {
         std::ranges::transform(light.samples(), light8.samples().begin(), [](float value) {
-            return static_cast<std::uint8_t>(255 * std::sqrt(std::clamp(value, 0.0f, 1.0f)) + 0.5f);
+            return static_cast<std::uint8_t>(std::lround(255 * std::sqrt(std::clamp(value, 0.0f, 1.0f))));
         });
         return light8;
     }
