@@ -7,7 +7,10 @@
 
 namespace matchlight {
 
-Framebuffer::Framebuffer(std::initializer_list<Attachment> colors, const Attachment& depth) {
+Framebuffer::Framebuffer(std::initializer_list<Attachment> colors, const Attachment& depth)
+    : Framebuffer(std::span(colors.begin(), colors.size()), depth) {}
+
+Framebuffer::Framebuffer(std::span<const Attachment> colors, const Attachment& depth) {
     GLuint name = 0;
     glCreateFramebuffers(1, &name);
     name_ = GlName<gl_detail::delete_framebuffer>(name);

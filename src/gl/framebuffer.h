@@ -40,6 +40,7 @@ public:
     /// Colour attachments in the order of the fragment shader's output locations; `depth` may be empty. Throws
     /// InputError when the driver does not take the combination.
     explicit Framebuffer(std::initializer_list<Attachment> colors, const Attachment& depth = {});
+    explicit Framebuffer(std::span<const Attachment> colors, const Attachment& depth = {});
 
     /// Draws go here, to the whole of it.
     void bind() const;

@@ -237,6 +237,11 @@ public:
         vertices_.bind();
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
+    /// As often as the bound GL_DRAW_INDIRECT_BUFFER says.
+    void draw_indirect() const {
+        vertices_.bind();
+        glDrawArraysIndirect(GL_TRIANGLES, nullptr);
+    }
 
 private:
     VertexArray vertices_;  // the core profile wants one even without attributes

@@ -45,6 +45,10 @@ void Program::set(const std::string& uniform, const Eigen::Vector2i& value) {
     glProgramUniform2i(name(), location(uniform), value.x(), value.y());
 }
 
+void Program::set(const std::string& uniform, const Eigen::Vector4i& value) {
+    glProgramUniform4i(name(), location(uniform), value.x(), value.y(), value.z(), value.w());
+}
+
 void Program::set(const std::string& uniform, const Eigen::Vector2f& value) {
     glProgramUniform2fv(name(), location(uniform), 1, value.data());
 }

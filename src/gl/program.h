@@ -37,6 +37,7 @@ public:
     void set(const std::string& uniform, float value);
     void set(const std::string& uniform, double value) { set(uniform, static_cast<float>(value)); }
     void set(const std::string& uniform, const Eigen::Vector2i& value);
+    void set(const std::string& uniform, const Eigen::Vector4i& value);
     void set(const std::string& uniform, const Eigen::Vector2f& value);
     void set(const std::string& uniform, const Eigen::Vector3f& value);
     void set(const std::string& uniform, const Eigen::Vector4f& value);

@@ -210,6 +210,18 @@ std::optional<std::string> SceneReader::read_value(const Setting& setting, const
             for (const toml::node& item : *array) items.push_back(nested(item));
             return fmt::format("[{}]", fmt::join(items, ", "));
         }
+        case SettingKind::effect: {
+            if (node.is_table()) return nested(node);
+            const bool off = node.value_exact<std::string>() == "off" || node.value_exact<bool>() == false;
+            if (off) return "\"off\"";
+            const bool automatic = node.value_exact<std::string>() == "auto" || node.value_exact<bool>() == true;
+            if (!automatic) {
+                source_.fail(node, fmt::format("'{}' in [{}] is {}", setting.key, setting.section, toml_text(node)),
+                             "give \"off\", \"auto\" or a table of its settings");
+            }
+            static const toml::table defaults;
+            return nested(defaults);
+        }
         case SettingKind::left_out: {
             const bool off = node.value_exact<std::string>() == "off" || node.value_exact<bool>() == false;
             if (!off) {

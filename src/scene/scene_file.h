@@ -12,6 +12,7 @@
 #include "core/transforms.h"
 #include "core/warnings.h"
 #include "lighting/probe.h"
+#include "scene/effects.h"
 
 namespace matchlight {
 
@@ -91,6 +92,7 @@ struct Scene {
     std::optional<ProbeSettings> probe;
     std::vector<ObjectSettings> objects;
     SurfaceSettings surface;
+    EffectSettings effects;
     QualityLevel quality = QualityLevel::final_;
     OutputSettings output;
     std::string effective_toml;  // every setting with its value, defaults included: recorded in outputs

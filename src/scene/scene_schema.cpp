@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/effect_schema.h"
+
 namespace matchlight {
 namespace {
 
@@ -39,7 +41,7 @@ MaterialOverride& material_of(Scene& scene) {
     return scene.objects.back().material;
 }
 
-const std::vector<SceneSection> section_table = {
+const std::vector<SceneSection> own_sections = {
     {"footage", SectionUse::always, "The recorded video.", nullptr},
     {"tags", SectionUse::always, "The AprilTags in the footage.", nullptr},
     {"tags.rig", SectionUse::nested, "One entry a tag.", [](Scene& s) { s.tags.rig.emplace_back(); }},
@@ -48,7 +50,6 @@ const std::vector<SceneSection> section_table = {
      [](Scene& s) { s.objects.emplace_back(); }},
     {"object.material", SectionUse::nested, "Overrides of the materials in the model's file.", nullptr},
     {"surface", SectionUse::always, "The real surface that catches shadows.", nullptr},
-    {"effects", SectionUse::always, "Effects of the camera on the virtual light.", nullptr},
     {"quality", SectionUse::always, "Error against run time.", nullptr},
     {"output", SectionUse::always, "How the result is encoded.", nullptr},
     {"camera", SectionUse::not_built, "The virtual camera of a scene without footage.", nullptr},
@@ -57,7 +58,7 @@ const std::vector<SceneSection> section_table = {
 
 // The order of the words in a choice is the order of the enumerators it is cast to.
 using enum SettingKind;
-const std::vector<Setting> setting_table = {
+const std::vector<Setting> own_settings = {
     {"footage", "video", of_kind(footage), "", must_be_given,
      "video file, or an image sequence such as `frames/%04d.jpg`",
      [](Scene& s, const SettingValue& v) { s.footage.video = v.path; }},
@@ -152,16 +153,6 @@ const std::vector<Setting> setting_table = {
     {"surface", "shadow", of_kind(boolean), "", "true", "objects shade it",
      [](Scene& s, const SettingValue& v) { s.surface.shadow = v.boolean; }},
 
-    {"effects", "bloom", of_kind(left_out), "", "\"off\"", "off", nullptr},
-    {"effects", "glare", of_kind(left_out), "", "\"off\"", "off", nullptr},
-    {"effects", "exposure", of_kind(left_out), "", "\"off\"", "off (the footage's own exposure is always met)",
-     nullptr},
-    {"effects", "depth_of_field", of_kind(left_out), "", "\"off\"", "off", nullptr},
-    {"effects", "motion_blur", of_kind(left_out), "", "\"off\"", "off", nullptr},
-    {"effects", "grain", of_kind(left_out), "", "\"off\"", "off", nullptr},
-    {"effects", "vignette", of_kind(left_out), "", "\"off\"", "off", nullptr},
-    {"effects", "chromatic_aberration", of_kind(left_out), "", "\"off\"", "off", nullptr},
-
     {"quality", "level", one_of({"draft", "preview", "final", "reference"}), "", "\"final\"", "how exactly to render",
      [](Scene& s, const SettingValue& v) { s.quality = static_cast<QualityLevel>(v.choice); }},
     {"quality", "budget_ms", of_kind(left_out), "ms", "", "time for a frame, instead of a level", nullptr},
@@ -180,6 +171,16 @@ const std::vector<Setting> setting_table = {
     {"output", "audio", of_kind(boolean), "", "true", "carry the sound over",
      [](Scene& s, const SettingValue& v) { s.output.audio = v.boolean; }},
 };
+
+template <class Row>
+std::vector<Row> joined(const std::vector<Row>& rows, const std::vector<Row>& more) {
+    std::vector<Row> all = rows;
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
+
+const std::vector<SceneSection> section_table = joined(own_sections, effect_sections());
+const std::vector<Setting> setting_table = joined(own_settings, effect_settings());
 
 std::string_view type_name(SettingKind kind) {
     switch (kind) {
@@ -209,6 +210,8 @@ std::string_view type_name(SettingKind kind) {
             return "table";
         case sections:
             return "array of tables";
+        case effect:
+            return "\"off\", \"auto\" or table";
         case left_out:
         case not_built:
             return "not in this version";

@@ -31,6 +31,7 @@ enum class SettingKind {
     any_file,    // need not exist yet
     section,     // a table of settings of its own: "material" of "object" is section "object.material"
     sections,    // an array of them
+    effect,      // "off", "auto" (its section's defaults) or a table of its section
     left_out,    // known, but this version does without it and says so; "off" and false say nothing
     not_built,   // known, but this version cannot do it
 };

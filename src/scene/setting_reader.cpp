@@ -167,6 +167,7 @@ SettingValue read_setting(const SceneSource& source, const Setting& setting, con
             break;
         case SettingKind::section:
         case SettingKind::sections:
+        case SettingKind::effect:
         case SettingKind::left_out:
         case SettingKind::not_built:
             assert(false);

@@ -21,8 +21,8 @@ struct SceneSource {
     [[noreturn]] void fail(const toml::key& key, const std::string& cause, const std::string& cure = {}) const;
 };
 
-/// The checked value of a kind that holds one (not section, sections, left_out, not_built). Throws InputError: another
-/// type, outside the range, not finite, a file that does not exist.
+/// The checked value of a kind that holds one (not section, sections, effect, left_out, not_built). Throws InputError:
+/// another type, outside the range, not finite, a file that does not exist.
 SettingValue read_setting(const SceneSource& source, const Setting& setting, const toml::node& node);
 
 /// A value as one line of TOML.

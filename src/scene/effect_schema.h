@@ -1,0 +1,14 @@
+// The part of the scene file's table that belongs to [effects].
+#pragma once
+
+#include <vector>
+
+#include "scene/scene_schema.h"
+
+namespace matchlight {
+
+/// [effects] and the tables that effects set by hand take: `bloom = {threshold = 2}` is section "effects.bloom".
+const std::vector<SceneSection>& effect_sections();
+const std::vector<Setting>& effect_settings();
+
+}  // namespace matchlight

@@ -1,0 +1,58 @@
+// Ranges of the effects' settings.
+#include "scene/effects.h"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace matchlight {
+namespace {
+
+void check_range(const char* name, double value, double lowest, double highest) {
+    if (value >= lowest && value <= highest) return;
+    throw std::invalid_argument(fmt::format("{} is {}, not from {} to {}", name, value, lowest, highest));
+}
+
+}  // namespace
+
+void BloomSettings::check() const {
+    check_range("bloom threshold", threshold, 0, 1e6);
+    check_range("bloom knee", knee, 0, 1);
+    check_range("bloom strength", strength, 0, 100);
+    check_range("bloom radius", radius, 0.001, 1);
+}
+
+void ApertureSettings::check() const {
+    check_range("aperture blades", blades, 0, 32);
+    check_range("aperture roundness", roundness, 0, 1);
+    check_range("aperture eyelashes", eyelashes, 0, 1000);
+    check_range("aperture dust", dust, 0, 10000);
+}
+
+void GlareSettings::check() const {
+    check_range("glare threshold", threshold, 0, 1e6);
+    check_range("glare knee", knee, 0, 1);
+    check_range("glare strength", strength, 0, 100);
+    check_range("glare directions", directions, 1, 64);
+    check_range("glare attenuation", attenuation, 0, 0.999);
+    check_range("glare passes", passes, 1, 5);
+    check_range("glare halo", halo, 0, 100);
+    aperture.check();
+}
+
+void DazzleSettings::check() const {
+    check_range("dazzle strength", strength, 0, 1000);
+    if (glare) glare->check();
+}
+
+void ExposureSettings::check() const {
+    check_range("exposure key", key, 0.01, 1);
+    if (white) check_range("exposure white", *white, 1e-6, 1e9);
+    check_range("exposure darkest_share", darkest_share, 0, 0.49);
+    check_range("exposure brightest_share", brightest_share, 0, 0.49);
+    check_range("exposure to_light_s", to_light_s, 0, 1e6);
+    check_range("exposure to_dark_s", to_dark_s, 0, 1e6);
+    check_range("exposure compensation_ev", compensation_ev, -32, 32);
+}
+
+}  // namespace matchlight

@@ -1,0 +1,87 @@
+// Settings of the camera's effects, as the scene file gives them: defaults, ranges and units.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+
+namespace matchlight {
+
+// Light is plate-linear: 1 is the brightest code of the footage. Strengths scale what an effect adds (the study's
+// equation 9: picture + strength · effect). Each check() throws std::invalid_argument naming what is out of range.
+
+enum class BloomLevel { classic, pyramid, reference };
+
+/// Light above a threshold, spread around where it is.
+struct BloomSettings {
+    BloomLevel level = BloomLevel::pyramid;
+    double threshold = 1.0;  // light below it does not spill
+    double knee = 0.5;       // share of the threshold over which spilling sets in; 0: at once
+    double strength = 0.2;
+    double radius = 0.08;  // the widest Gaussian's standard deviation, in frame heights
+
+    void check() const;
+};
+
+enum class GlareLevel { classic, streaks, diffraction, reference };
+
+/// The opening of the lens, which shapes diffraction (and, later, out-of-focus discs).
+struct ApertureSettings {
+    int blades = 6;  // 0: round
+    double rotation_deg = 0;
+    double roundness = 0;  // 0: straight blades; 1: a circle
+    int eyelashes = 0;
+    int dust = 0;                 // specks
+    std::filesystem::path image;  // instead of all this: white lets light through
+
+    void check() const;
+};
+
+/// Light above a threshold, drawn out into streaks.
+struct GlareSettings {
+    GlareLevel level = GlareLevel::streaks;
+    double threshold = 2.0;
+    double knee = 0.25;
+    double strength = 0.2;
+    int directions = 4;
+    double angle_deg = 45;      // of the first streak, counter-clockwise from the picture's right
+    double attenuation = 0.92;  // a: of light from texel to texel
+    int passes = 3;
+    double halo = 0;            // strength of the lenticular halo
+    ApertureSettings aperture;  // of `diffraction`
+
+    void check() const;
+};
+
+/// Bright reflections on virtual objects, apart from other light.
+struct DazzleSettings {
+    double strength = 1;                 // of what objects send to bloom and glare
+    std::optional<GlareSettings> glare;  // a shape of their own
+
+    void check() const;
+};
+
+enum class ExposureMode { matched, simulated };
+
+/// Matched: the footage's own exposure. Simulated: a meter and its adaptation over time, for scenes without footage.
+struct ExposureSettings {
+    ExposureMode mode = ExposureMode::matched;
+    double key = 0.18;            // the log average's place in the picture, 0.18 to 0.72 (Reinhard 2002)
+    std::optional<double> white;  // light that becomes white; the brightest metered unless given
+    double darkest_share = 0.05;  // of metered pixels left out at either end of the histogram
+    double brightest_share = 0.02;
+    double to_light_s = 0.5;  // time constants of adaptation
+    double to_dark_s = 2.0;
+    double compensation_ev = 0;
+
+    void check() const;
+};
+
+struct EffectSettings {
+    std::optional<BloomSettings> bloom;
+    std::optional<GlareSettings> glare;
+    std::optional<DazzleSettings> dazzle;
+    std::optional<ExposureSettings> exposure;
+};
+
+}  // namespace matchlight
