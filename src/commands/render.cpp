@@ -21,8 +21,7 @@
 #include "media/image_io.h"
 #include "scene/footage_options.h"
 #include "scene/scene_file.h"
-#include "tracking/solve_file.h"
-#include "tracking/solve_freshness.h"
+#include "tracking/scene_solve.h"
 
 namespace matchlight {
 
@@ -41,19 +40,10 @@ struct RenderArguments {
     bool strict = false;
 };
 
-Solve load_matching_solve(const Scene& scene, Warnings& warnings) {
-    const fs::path& path = scene.footage.solve;
-    if (!fs::exists(path)) {
-        throw InputError(path, "no such solve file", fmt::format("run: matchlight track {}", scene.path.string()));
-    }
-    Solve solve = load_solve(path);
-    check_solve_is_of_scene(solve, scene, warnings);
-    return solve;
-}
-
 void refuse_input_as_output(const fs::path& output, const Scene& scene) {
     std::vector<fs::path> inputs{scene.path, scene.footage.video, scene.footage.camera, scene.footage.solve};
     if (scene.probe) inputs.push_back(scene.probe->path);
+    inputs.push_back(scene.background.image);
     for (const ObjectSettings& object : scene.objects) inputs.push_back(object.model);
     for (const fs::path& input : inputs) {
         std::error_code ignored;
@@ -97,9 +87,8 @@ void render(const RenderArguments& arguments, CommandContext& context) {
     Scene scene = load_scene(arguments.scene, warnings);
     if (arguments.level) scene.quality = *arguments.level;
     refuse_input_as_output(arguments.output, scene);
-    const Solve solve = load_matching_solve(scene, warnings);
-    const std::unique_ptr<FrameSource> source =
-        FrameSource::open(scene.footage.video, footage_options(scene.footage, arguments.strict), warnings);
+    const Solve solve = solve_of_scene(scene, warnings);
+    const std::unique_ptr<FrameSource> source = open_frames(scene, arguments.strict, warnings);
 
     const OutputRequest request{.path = arguments.output,
                                 .settings = scene.output,
@@ -137,12 +126,12 @@ void render(const RenderArguments& arguments, CommandContext& context) {
         }
     }
     if (frames.empty()) {
-        throw InputError(scene.footage.video, fmt::format("has no frame {} to render", arguments.frames.first));
+        throw InputError(source->info().path, fmt::format("has no frame {} to render", arguments.frames.first));
     }
     output->finish();
     if (without_pose > 0) {
         warnings.add(fmt::format("{}: {} of {} frames have no pose and show the plate alone",
-                                 scene.footage.video.string(), without_pose, frames.size()));
+                                 source->info().path.string(), without_pose, frames.size()));
     }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::string text = fmt::format("{}: {} frames in {:.1f} s", request.path.string(), frames.size(), seconds);

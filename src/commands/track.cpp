@@ -39,8 +39,9 @@ json counts_json(const std::map<int, std::int64_t>& counts) {
 
 void run_track(const TrackCall& call, CommandContext& context) {
     const Scene scene = load_scene(call.scene, context.warnings);
-    if (scene.footage.video.empty()) {
-        throw InputError(call.scene, "has no footage to track", "give [footage] video and camera");
+    if (scene.camera) {
+        throw InputError(call.scene, "has a camera of its own and needs no track",
+                         fmt::format("render it: matchlight render {} -o OUT", call.scene.string()));
     }
     // The scene's own solve is an artefact that track keeps up to date; a file named by hand may be something else.
     const fs::path output = call.output.value_or(scene.footage.solve);

@@ -1,6 +1,8 @@
 // Names of matrices and ranges were checked when the scene was read.
 #include "scene/footage_options.h"
 
+#include "media/blank_source.h"
+
 namespace matchlight {
 
 FootageOptions footage_options(const FootageSettings& footage, bool strict) {
@@ -13,6 +15,16 @@ FootageOptions footage_options(const FootageSettings& footage, bool strict) {
     if (footage.color_range == "limited") options.range = ColorRange::limited;
     if (footage.color_range == "full") options.range = ColorRange::full;
     return options;
+}
+
+std::unique_ptr<FrameSource> open_frames(const Scene& scene, bool strict, Warnings& warnings) {
+    if (!scene.camera) return FrameSource::open(scene.footage.video, footage_options(scene.footage, strict), warnings);
+    const CameraSettings& camera = *scene.camera;
+    return std::make_unique<BlankSource>(BlankFootage{.path = scene.path,
+                                                      .width = camera.width,
+                                                      .height = camera.height,
+                                                      .frames = camera.frames,
+                                                      .fps = camera.fps});
 }
 
 }  // namespace matchlight

@@ -43,13 +43,16 @@ public:
     Scene read(const toml::table& root) {
         scene_.path = source_.path;
         check_sections(root);
+        check_kind_of_scene(root);
         for (const SceneSection& section : scene_sections()) read_section_of_root(root, section);
+        if (const toml::node* background = root.get("background")) check_background(*background);
         scene_.effective_toml = std::move(effective_);
         return std::move(scene_);
     }
 
 private:
     void check_sections(const toml::table& root);
+    void check_kind_of_scene(const toml::table& root);
     void read_section_of_root(const toml::table& root, const SceneSection& section);
     /// Reads every setting of a section and returns them, defaults included, as lines of TOML.
     std::vector<std::string> read_table(const SceneSection& section, const toml::table& table);
@@ -59,6 +62,8 @@ private:
     const toml::table& light_of(const toml::node& node);
     void check_tag(const toml::table& table);
     void check_object(const toml::table& table);
+    void check_camera(const toml::table& table);
+    void check_background(const toml::node& node);
 
     void append(std::string_view header, const std::vector<std::string>& lines) {
         if (!effective_.empty()) effective_ += "\n";
@@ -82,10 +87,6 @@ void SceneReader::check_sections(const toml::table& root) {
             source_.fail(key, fmt::format("unknown section '{}'", std::string_view(key)),
                          fmt::format("did you mean '{}'?", nearest_word(key, known)));
         }
-        if (section->use == SectionUse::not_built) {
-            source_.fail(key, fmt::format("[{}]: this version cannot render a scene without footage", section->name),
-                         "give [footage] with video and camera");
-        }
         // Before any value is read: a misspelt key is why another one is missing.
         for_each_table(node, [&](const toml::table& table) {
             const bool is_analytic_light = section->name == "light" && table.contains("type");
@@ -94,8 +95,27 @@ void SceneReader::check_sections(const toml::table& root) {
     }
 }
 
+/// Footage and its tags, or a camera and its background.
+void SceneReader::check_kind_of_scene(const toml::table& root) {
+    const toml::node* footage = root.get("footage");
+    const toml::node* camera = root.get("camera");
+    if (footage != nullptr && camera != nullptr) {
+        source_.fail(*camera, "[camera] belongs to scenes without footage, and this one has [footage]",
+                     "leave one of them out");
+    }
+    if (footage == nullptr && camera == nullptr) {
+        source_.fail(root, "the scene has neither footage nor a camera",
+                     "give [footage] with video and camera, or [camera] with width and height");
+    }
+    const toml::node* background = root.get("background");
+    if (footage != nullptr && background != nullptr) {
+        source_.fail(*background, "[background] belongs to scenes without footage, and this one has [footage]",
+                     "leave it out");
+    }
+}
+
 void SceneReader::read_section_of_root(const toml::table& root, const SceneSection& section) {
-    if (section.use == SectionUse::nested || section.use == SectionUse::not_built) return;
+    if (section.use == SectionUse::nested) return;
     const toml::node* node = root.get(section.name);
     if (section.use == SectionUse::repeated) {
         if (node == nullptr) return;
@@ -109,13 +129,14 @@ void SceneReader::read_section_of_root(const toml::table& root, const SceneSecti
         }
         return;
     }
-    if (node == nullptr && section.use == SectionUse::optional) return;
-    if (node == nullptr && section.name == "footage") {
-        source_.fail(root, "this version cannot render a scene without footage",
-                     "give [footage] with video and camera");
-    }
+    const bool needed = section.name == "tags" && root.contains("footage");  // they are what footage is tracked by
+    if (node == nullptr && section.use == SectionUse::optional && !needed) return;
     static const toml::table nothing;
     const toml::table* table = node == nullptr ? &nothing : node->as_table();
+    if (node == nullptr && section.name == "surface" && scene_.camera) {
+        static const toml::table no_surface{{"enabled", false}};
+        table = &no_surface;
+    }
     if (section.name == "light") table = &light_of(*node);
     if (table == nullptr) source_.fail(*node, fmt::format("[{}] is a table of settings", section.name));
     append(fmt::format("[{}]", section.name), read_table(section, *table));
@@ -183,6 +204,7 @@ std::vector<std::string> SceneReader::read_table(const SceneSection& section, co
     }
     if (section.name == "tags.rig") check_tag(table);
     if (section.name == "object") check_object(table);
+    if (section.name == "camera") check_camera(table);
     return lines;
 }
 
@@ -280,6 +302,38 @@ void SceneReader::check_object(const toml::table& table) {
     for (int number = 2; taken(object.name); ++number) object.name = fmt::format("{} {}", stem, number);
 }
 
+void SceneReader::check_camera(const toml::table& table) {
+    const CameraSettings& camera = *scene_.camera;
+    if (camera.orbit.has_value() == !camera.keys.empty()) {
+        source_.fail(table, fmt::format("[camera] has {} of orbit and keys", camera.orbit ? "both" : "neither"),
+                     "give one");
+    }
+    const toml::array* keys = table["keys"].as_array();
+    for (std::size_t i = 0; i < camera.keys.size(); ++i) {
+        const CameraKey& key = camera.keys[i];
+        if (i > 0 && key.frame <= camera.keys[i - 1].frame) {
+            source_.fail(
+                (*keys)[i],
+                fmt::format("keys of [camera]: frame {} does not come after {}", key.frame, camera.keys[i - 1].frame),
+                "give each frame once, in ascending order");
+        }
+        if (key.eye_m == key.target_m) {
+            source_.fail((*keys)[i],
+                         fmt::format("keys of [camera]: at frame {} eye and target are one point", key.frame),
+                         "look at another point");
+        }
+    }
+}
+
+void SceneReader::check_background(const toml::node& node) {
+    const BackgroundSettings& background = scene_.background;
+    const int given = (background.probe ? 1 : 0) + (background.color ? 1 : 0) + (background.image.empty() ? 0 : 1);
+    if (given > 1) source_.fail(node, "[background] is more than one of probe, color and image", "give one");
+    if (background.probe && !scene_.probe) {
+        source_.fail(node, "[background] shows the probe, but the scene has none", "give [light] with a probe");
+    }
+}
+
 }  // namespace
 
 Scene load_scene(const fs::path& path, Warnings& warnings) {
@@ -293,7 +347,7 @@ Scene load_scene(const fs::path& path, Warnings& warnings) {
                                          static_cast<std::int64_t>(error.source().begin.line)});
     }
     Scene scene = SceneReader(source, warnings).read(root);
-    if (scene.footage.solve.empty()) {
+    if (scene.footage.solve.empty() && !scene.camera) {
         scene.footage.solve = path.parent_path() / (path.stem().string() + ".solve.json");
     }
     return scene;

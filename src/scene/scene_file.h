@@ -13,6 +13,7 @@
 #include "core/warnings.h"
 #include "lighting/probe.h"
 #include "scene/effects.h"
+#include "scene/virtual_camera.h"
 
 namespace matchlight {
 
@@ -87,7 +88,9 @@ struct OutputSettings {
 
 struct Scene {
     std::filesystem::path path;
-    FootageSettings footage;
+    FootageSettings footage;               // without a camera
+    std::optional<CameraSettings> camera;  // of a scene without footage
+    BackgroundSettings background;
     TagSettings tags;
     std::optional<ProbeSettings> probe;
     std::vector<ObjectSettings> objects;

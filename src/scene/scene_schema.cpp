@@ -8,27 +8,12 @@
 
 #include <fmt/format.h>
 
+#include "scene/camera_schema.h"
 #include "scene/effect_schema.h"
+#include "scene/setting_domains.h"
 
 namespace matchlight {
 namespace {
-
-SettingDomain of_kind(SettingKind kind) {
-    return {.kind = kind, .choices = {}};
-}
-SettingDomain between(SettingKind kind, double lowest, double highest) {
-    return {.kind = kind, .lowest = lowest, .highest = highest, .choices = {}};
-}
-SettingDomain above(SettingKind kind, double lowest, double highest) {
-    return {.kind = kind, .lowest = lowest, .highest = highest, .above_lowest = true, .choices = {}};
-}
-SettingDomain one_of(std::vector<std::string_view> choices) {
-    return {.kind = SettingKind::choice, .choices = std::move(choices)};
-}
-
-std::array<double, 3> color_of(const SettingValue& value) {
-    return {value.vector.x(), value.vector.y(), value.vector.z()};
-}
 
 /// A tag's place is known as soon as one part of it is given; the other parts are 0.
 RigidTransform& place_of(Scene& scene) {
@@ -41,19 +26,21 @@ MaterialOverride& material_of(Scene& scene) {
     return scene.objects.back().material;
 }
 
-const std::vector<SceneSection> own_sections = {
-    {"footage", SectionUse::always, "The recorded video.", nullptr},
-    {"tags", SectionUse::always, "The AprilTags in the footage.", nullptr},
+const std::vector<SceneSection> footage_sections = {
+    {"footage", SectionUse::optional, "The recorded video.", nullptr},
+    {"tags", SectionUse::optional, "The AprilTags in the footage.", nullptr},
     {"tags.rig", SectionUse::nested, "One entry a tag.", [](Scene& s) { s.tags.rig.emplace_back(); }},
+};
+
+const std::vector<SceneSection> shot_sections = {
     {"light", SectionUse::optional, "The light probe.", [](Scene& s) { s.probe.emplace(); }},
     {"object", SectionUse::repeated, "A virtual object, one `[[object]]` each.",
      [](Scene& s) { s.objects.emplace_back(); }},
     {"object.material", SectionUse::nested, "Overrides of the materials in the model's file.", nullptr},
-    {"surface", SectionUse::always, "The real surface that catches shadows.", nullptr},
+    {"surface", SectionUse::always,
+     "The real surface that catches shadows; without footage there is none unless this section is given.", nullptr},
     {"quality", SectionUse::always, "Error against run time.", nullptr},
     {"output", SectionUse::always, "How the result is encoded.", nullptr},
-    {"camera", SectionUse::not_built, "The virtual camera of a scene without footage.", nullptr},
-    {"background", SectionUse::not_built, "The background of a scene without footage.", nullptr},
 };
 
 // The order of the words in a choice is the order of the enumerators it is cast to.
@@ -179,8 +166,10 @@ std::vector<Row> joined(const std::vector<Row>& rows, const std::vector<Row>& mo
     return all;
 }
 
-const std::vector<SceneSection> section_table = joined(own_sections, effect_sections());
-const std::vector<Setting> setting_table = joined(own_settings, effect_settings());
+// Sections are read in this order: what is the default of later ones depends on there being a camera.
+const std::vector<SceneSection> section_table =
+    joined(joined(joined(footage_sections, camera_sections()), shot_sections), effect_sections());
+const std::vector<Setting> setting_table = joined(joined(own_settings, effect_settings()), camera_settings());
 
 std::string_view type_name(SettingKind kind) {
     switch (kind) {
@@ -282,10 +271,6 @@ std::string describe(const SettingDomain& domain) {
 std::string scene_schema_text() {
     std::string markdown;
     for (const SceneSection& one : section_table) {
-        if (one.use == SectionUse::not_built) {
-            markdown += fmt::format("### `[{}]`\n\n{} Not in this version.\n\n", one.name, one.help);
-            continue;
-        }
         const bool is_array = one.use == SectionUse::repeated;
         markdown +=
             fmt::format("### `{}{}{}`\n\n{}\n\n", is_array ? "[[" : "[", one.name, is_array ? "]]" : "]", one.help);

@@ -71,11 +71,10 @@ struct Setting {
 };
 
 enum class SectionUse {
-    always,     // its defaults hold even when the file has no such section
-    optional,   // absent unless the file has it
-    repeated,   // [[section]]
-    nested,     // the value of a setting of another section
-    not_built,  // known, but this version cannot do it
+    always,    // its defaults hold even when the file has no such section
+    optional,  // absent unless the file has it
+    repeated,  // [[section]]
+    nested,    // the value of a setting of another section
 };
 
 struct SceneSection {
