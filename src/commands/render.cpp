@@ -148,13 +148,12 @@ void render(const RenderArguments& arguments, CommandContext& context) {
 void explain(const RenderArguments& arguments, CommandContext& context) {
     Scene scene = load_scene(arguments.scene, context.warnings);
     if (arguments.level) scene.quality = *arguments.level;
-    const Solve solve = load_matching_solve(scene, context.warnings);
-    const std::unique_ptr<FrameSource> source =
-        FrameSource::open(scene.footage.video, footage_options(scene.footage, arguments.strict), context.warnings);
+    const Solve solve = solve_of_scene(scene, context.warnings);
+    const std::unique_ptr<FrameSource> source = open_frames(scene, arguments.strict, context.warnings);
     source->seek(*arguments.explain);
     std::optional<PlateFrame> plate = source->next();
     if (!plate || plate->index() != *arguments.explain) {
-        throw InputError(scene.footage.video, fmt::format("has no frame {}", *arguments.explain));
+        throw InputError(source->info().path, fmt::format("has no frame {}", *arguments.explain));
     }
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
     Compositor compositor(*gl, scene, solve, {.quality = scene.quality, .timed = true}, context.warnings);
