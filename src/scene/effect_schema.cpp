@@ -1,19 +1,61 @@
 // Rows of the scene file's table for each effect: a word, or a table of its settings.
 #include "scene/effect_schema.h"
 
+#include "scene/setting_domains.h"
+
 namespace matchlight {
 namespace {
 
 using enum SettingKind;
 
-SettingDomain of_kind(SettingKind kind) {
-    return {.kind = kind, .choices = {}};
+GlareSettings& glare_of_all(Scene& scene) {
+    return *scene.effects.glare;
 }
-SettingDomain between(SettingKind kind, double lowest, double highest) {
-    return {.kind = kind, .lowest = lowest, .highest = highest, .choices = {}};
+GlareSettings& glare_of_dazzle(Scene& scene) {
+    return *scene.effects.dazzle->glare;
 }
-SettingDomain one_of(std::vector<std::string_view> choices) {
-    return {.kind = choice, .choices = std::move(choices)};
+
+/// The rows of a glare and of its aperture, for the glare that `place` finds.
+template <GlareSettings& (*place)(Scene&)>
+void add_glare_settings(std::vector<Setting>& rows, std::string_view section, std::string_view aperture) {
+    const std::vector<Setting> added = {
+        {section, "level", one_of({"classic", "streaks", "diffraction", "reference"}), "", "\"streaks\"",
+         "how it is computed; classic: four diagonal streaks",
+         [](Scene& s, const SettingValue& v) { place(s).level = static_cast<GlareLevel>(v.choice); }},
+        {section, "threshold", between(number, 0, 1e6), "plate-linear", "2", "light below it makes no glare",
+         [](Scene& s, const SettingValue& v) { place(s).threshold = v.number; }},
+        {section, "knee", between(number, 0, 1), "", "0.25", "share of the threshold over which glare sets in",
+         [](Scene& s, const SettingValue& v) { place(s).knee = v.number; }},
+        {section, "strength", between(number, 0, 100), "", "0.2", "times the glare of all directions together",
+         [](Scene& s, const SettingValue& v) { place(s).strength = v.number; }},
+        {section, "directions", between(integer, 1, 64), "", "4", "streaks from each light",
+         [](Scene& s, const SettingValue& v) { place(s).directions = static_cast<int>(v.integer); }},
+        {section, "angle_deg", between(number, -36000, 36000), "deg", "45",
+         "of the first streak, counter-clockwise from the picture's right",
+         [](Scene& s, const SettingValue& v) { place(s).angle_deg = v.number; }},
+        {section, "attenuation", between(number, 0, 0.999), "", "0.92",
+         "of a streak's light from step to step, each 1/128 of the frame's height",
+         [](Scene& s, const SettingValue& v) { place(s).attenuation = v.number; }},
+        {section, "passes", between(integer, 1, 5), "", "3", "a streak is 4^passes steps long",
+         [](Scene& s, const SettingValue& v) { place(s).passes = static_cast<int>(v.integer); }},
+        {section, "halo", between(number, 0, 100), "", "0", "strength of the lenticular halo",
+         [](Scene& s, const SettingValue& v) { place(s).halo = v.number; }},
+        {section, "aperture", of_kind(SettingKind::section), "", "", "of the level `diffraction`", nullptr},
+
+        {aperture, "blades", between(integer, 0, 32), "", "6", "0: round",
+         [](Scene& s, const SettingValue& v) { place(s).aperture.blades = static_cast<int>(v.integer); }},
+        {aperture, "rotation_deg", between(number, -36000, 36000), "deg", "0", "counter-clockwise",
+         [](Scene& s, const SettingValue& v) { place(s).aperture.rotation_deg = v.number; }},
+        {aperture, "roundness", between(number, 0, 1), "", "0", "0: straight blades; 1: a circle",
+         [](Scene& s, const SettingValue& v) { place(s).aperture.roundness = v.number; }},
+        {aperture, "eyelashes", between(integer, 0, 1000), "", "0", "across the opening",
+         [](Scene& s, const SettingValue& v) { place(s).aperture.eyelashes = static_cast<int>(v.integer); }},
+        {aperture, "dust", between(integer, 0, 10000), "", "0", "specks on the lens",
+         [](Scene& s, const SettingValue& v) { place(s).aperture.dust = static_cast<int>(v.integer); }},
+        {aperture, "image", of_kind(input_file), "", "", "instead of all this: white lets light through",
+         [](Scene& s, const SettingValue& v) { place(s).aperture.image = v.path; }},
+    };
+    rows.insert(rows.end(), added.begin(), added.end());
 }
 
 }  // namespace
@@ -24,14 +66,27 @@ const std::vector<SceneSection>& effect_sections() {
          "Effects of the camera on the virtual light: each `\"off\"`, `\"auto\"` or a table.", nullptr},
         {"effects.bloom", SectionUse::nested, "Bright light spills around itself.",
          [](Scene& s) { s.effects.bloom.emplace(); }},
+        {"effects.glare", SectionUse::nested, "Bright light is drawn out into streaks or a diffraction pattern.",
+         [](Scene& s) { s.effects.glare.emplace(); }},
+        {"effects.glare.aperture", SectionUse::nested, "The opening of the lens.", nullptr},
+        {"effects.dazzle", SectionUse::nested,
+         "Bright reflections on virtual objects, apart from other light: `bloom` and `glare` spill them.",
+         [](Scene& s) { s.effects.dazzle.emplace(); }},
+        {"effects.dazzle.glare", SectionUse::nested, "As in `[effects.glare]`.",
+         [](Scene& s) { s.effects.dazzle->glare.emplace(); }},
+        {"effects.dazzle.glare.aperture", SectionUse::nested, "As in `[effects.glare.aperture]`.", nullptr},
     };
     return sections;
 }
 
-const std::vector<Setting>& effect_settings() {
-    static const std::vector<Setting> settings = {
+namespace {
+
+std::vector<Setting> all_effect_settings() {
+    std::vector<Setting> settings = {
         {"effects", "bloom", of_kind(effect), "", "\"off\"", "bright light spills around itself", nullptr},
-        {"effects", "glare", of_kind(left_out), "", "\"off\"", "off", nullptr},
+        {"effects", "glare", of_kind(effect), "", "\"off\"", "bright light is drawn out", nullptr},
+        {"effects", "dazzle", of_kind(effect), "", "\"off\"", "reflections on objects spill more, or otherwise",
+         nullptr},
         {"effects", "exposure", of_kind(left_out), "", "\"off\"", "off (the footage's own exposure is always met)",
          nullptr},
         {"effects", "depth_of_field", of_kind(left_out), "", "\"off\"", "off", nullptr},
@@ -52,7 +107,24 @@ const std::vector<Setting>& effect_settings() {
         {"effects.bloom", "radius", between(number, 0.001, 1), "frame heights", "0.08",
          "standard deviation of the widest spread",
          [](Scene& s, const SettingValue& v) { s.effects.bloom->radius = v.number; }},
+        {"effects.bloom", "firefly_safe", of_kind(boolean), "", "true",
+         "a very bright pixel that stands alone is held back; not at the level classic",
+         [](Scene& s, const SettingValue& v) { s.effects.bloom->firefly_safe = v.boolean; }},
+
+        {"effects.dazzle", "strength", between(number, 0, 1000), "", "1", "times what objects send to bloom and glare",
+         [](Scene& s, const SettingValue& v) { s.effects.dazzle->strength = v.number; }},
+        {"effects.dazzle", "glare", of_kind(SettingKind::section), "", "",
+         "a glare of their own; as other light unless given", nullptr},
     };
+    add_glare_settings<glare_of_all>(settings, "effects.glare", "effects.glare.aperture");
+    add_glare_settings<glare_of_dazzle>(settings, "effects.dazzle.glare", "effects.dazzle.glare.aperture");
+    return settings;
+}
+
+}  // namespace
+
+const std::vector<Setting>& effect_settings() {
+    static const std::vector<Setting> settings = all_effect_settings();
     return settings;
 }
 

@@ -24,6 +24,7 @@ void BloomSettings::check() const {
 
 void ApertureSettings::check() const {
     check_range("aperture blades", blades, 0, 32);
+    check_range("aperture rotation_deg", rotation_deg, -36000, 36000);
     check_range("aperture roundness", roundness, 0, 1);
     check_range("aperture eyelashes", eyelashes, 0, 1000);
     check_range("aperture dust", dust, 0, 10000);
@@ -34,6 +35,7 @@ void GlareSettings::check() const {
     check_range("glare knee", knee, 0, 1);
     check_range("glare strength", strength, 0, 100);
     check_range("glare directions", directions, 1, 64);
+    check_range("glare angle_deg", angle_deg, -36000, 36000);
     check_range("glare attenuation", attenuation, 0, 0.999);
     check_range("glare passes", passes, 1, 5);
     check_range("glare halo", halo, 0, 100);

@@ -18,7 +18,8 @@ struct BloomSettings {
     double threshold = 1.0;  // light below it does not spill
     double knee = 0.5;       // share of the threshold over which spilling sets in; 0: at once
     double strength = 0.2;
-    double radius = 0.08;  // the widest Gaussian's standard deviation, in frame heights
+    double radius = 0.08;      // the widest Gaussian's standard deviation, in frame heights
+    bool firefly_safe = true;  // a very bright pixel that stands alone is held back; not at the level `classic`
 
     void check() const;
 };
@@ -45,8 +46,8 @@ struct GlareSettings {
     double strength = 0.2;
     int directions = 4;
     double angle_deg = 45;      // of the first streak, counter-clockwise from the picture's right
-    double attenuation = 0.92;  // a: of light from texel to texel
-    int passes = 3;
+    double attenuation = 0.92;  // a: of light from step to step, each 1/128 of the frame's height
+    int passes = 3;             // a streak is 4^passes steps long
     double halo = 0;            // strength of the lenticular halo
     ApertureSettings aperture;  // of `diffraction`
 

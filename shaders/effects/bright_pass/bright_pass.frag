@@ -1,0 +1,91 @@
+#version 450 core
+// Light above the threshold with the objects, less that without them: its mean over SCALE × SCALE frame pixels.
+#include "common/condition.glsl"
+#include "common/graph.glsl"
+
+uniform sampler2D after;   // RGB light, a: share of it that objects send
+uniform ivec4 after_region;
+uniform int after_scale;
+#ifdef TAKES_AWAY
+uniform sampler2D before;
+uniform ivec4 before_region;
+#endif
+uniform float threshold;
+uniform float knee_half_width;  // of the threshold
+uniform vec2 share;             // of `after` that counts: x + a·y
+uniform float measure_luminance;
+
+out vec4 difference;
+
+const float largest_half = 65504.0;
+
+// What can be light: no NaN (every comparison with it fails), nothing negative, at most what a half float holds, in
+// its own colour.
+vec3 repaired(vec3 light) {
+    light = mix(vec3(0.0), min(light, vec3(1e30)), greaterThan(light, vec3(0.0)));
+    return light * (largest_half / max(largest_half, max(light.r, max(light.g, light.b))));
+}
+
+// bright_share() of render/effects/bright_light.h. Luminance: Rec. 709 in the digits of the classic model.
+vec3 bright(vec3 light) {
+    light = repaired(light);
+    float m = mix(max(light.r, max(light.g, light.b)), dot(light, vec3(0.2125, 0.7154, 0.0721)), measure_luminance);
+    float in_knee = clamp(m - threshold + knee_half_width, 0.0, 2.0 * knee_half_width);
+    float over = max(m - threshold, in_knee * in_knee / max(4.0 * knee_half_width, 1e-30));
+    return light * (over / max(m, 1e-30));
+}
+
+vec3 difference_at(ivec2 place) {  // counts from after's first texel
+    vec4 with_objects = texelFetch(after, place, 0);
+    float a = with_objects.a > 0.0 ? min(with_objects.a, 1.0) : 0.0;
+    vec3 light = bright(with_objects.rgb) * (share.x + a * share.y);
+#ifdef TAKES_AWAY
+    light -= bright(fetch_or_zero(before, before_region, place + after_region.xy).rgb);
+#endif
+    return clamp(light, -largest_half, largest_half);
+}
+
+bool is_dark(ivec2 place) {
+    return any(lessThan(place, ivec2(0))) || any(greaterThanEqual(place, after_region.zw));
+}
+
+void main() {
+    ivec2 first = target_texel() * SCALE - after_region.xy;
+    vec3 sum = vec3(0.0);
+#ifdef FIREFLY_LIMIT
+    // Blocks count from the frame's corner, so that every scale weighs a pixel alike.
+    const int step_px = SCALE < BLOCK ? SCALE : BLOCK;
+    for (int part_y = 0; part_y < SCALE; part_y += step_px) {
+        for (int part_x = 0; part_x < SCALE; part_x += step_px) {
+            ivec2 part = first + ivec2(part_x, part_y);
+            ivec2 in_frame = part + after_region.xy;
+            ivec2 block = part - (in_frame - (in_frame / BLOCK) * BLOCK);
+            vec3 weighted = vec3(0.0);
+            float weights = 0.0;
+            for (int y = 0; y < BLOCK; ++y) {
+                for (int x = 0; x < BLOCK; ++x) {
+                    ivec2 place = block + ivec2(x, y);
+                    vec3 light = is_dark(place) ? vec3(0.0) : difference_at(place);
+                    vec3 size = abs(light);
+                    float weight = 1.0 / (1.0 + max(size.r, max(size.g, size.b)) * (1.0 / FIREFLY_LIMIT));
+                    weights += weight;
+                    ivec2 in_part = place - part;
+                    if (all(greaterThanEqual(in_part, ivec2(0))) && all(lessThan(in_part, ivec2(step_px)))) {
+                        weighted += weight * light;
+                    }
+                }
+            }
+            sum += weighted * (float(BLOCK * BLOCK) / weights);
+        }
+    }
+#else
+    for (int y = 0; y < SCALE; ++y) {
+        for (int x = 0; x < SCALE; ++x) {
+            ivec2 place = first + ivec2(x, y);
+            if (!is_dark(place)) sum += difference_at(place);
+        }
+    }
+#endif
+    difference = vec4(clamp(sum * (1.0 / float(SCALE * SCALE)), -largest_half, largest_half), 0.0);
+    if (difference.rgb != vec3(0.0)) meet_condition();
+}
