@@ -3,12 +3,12 @@
 //
 // linear = plate · shadow ratio · (1 − α) + virtual · gain (Porter & Duff 1984, "Compositing Digital Images", over).
 
+#include "common/graph.glsl"
 #include "common/lens_map.glsl"
 #include "common/response.glsl"
 #include "effects/contact_shadow/contact_shadow.glsl"
 
 uniform sampler2D plate_code;        // RGB code values of the region
-uniform ivec2 region_origin;         // plate pixel of the region's first pixel
 
 uniform sampler2D layer;             // virtual layer: premultiplied radiance in probe units, alpha = coverage
 uniform vec4 layer_intrinsics;       // fx, fy, cx, cy of the layer's pinhole, in its pixels (centres at whole numbers)
@@ -25,9 +25,13 @@ uniform vec3 gain;                   // 2^exposure · white balance: plate light
 uniform vec2 vignette;               // gain = 1 + v.x r² + v.y r⁴
 uniform vec3 vignette_frame;         // centre x, centre y, 1 / distance of the corner
 
-layout(location = 0) out vec4 composited_code;   // a = 1 where the pixel was touched
+#ifdef WRITE_LIGHT
+layout(location = 0) out vec4 light_after;        // plate-linear; a = the virtual layer's alpha
+layout(location = 1) out vec4 light_before;       // the plate's own; a = 1 where the pixel was touched
+#else
+layout(location = 0) out vec4 composited_code;    // a = 1 where the pixel was touched
+#endif
 #ifdef WRITE_LAYERS
-layout(location = 1) out vec4 composited_linear;  // a = the virtual layer's alpha
 layout(location = 2) out vec4 shadow_layer;       // rgb = ratio
 layout(location = 3) out vec4 virtual_layer;      // premultiplied plate-linear light, alpha
 layout(location = 4) out vec4 geometry;           // world normal, depth in metres; 0 where nothing is
@@ -69,7 +73,7 @@ vec3 shadow_over_pixel(vec2 normalized) {
 
 void main() {
     ivec2 in_region = ivec2(gl_FragCoord.xy);
-    vec2 pixel = vec2(in_region + region_origin);
+    vec2 pixel = vec2(target_texel());
     vec3 code = texelFetch(plate_code, in_region, 0).rgb;
     vec2 normalized = normalized_from_pixel(pixel);
 
@@ -94,9 +98,13 @@ void main() {
     vec3 plate_linear = linear_from_code(code);
     vec3 linear = plate_linear * ratio * (1.0 - virtual_light.a) + virtual_light.rgb * gain * falloff;
     bool touched = virtual_light.a > 0.0 || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(lessThan(ratio, vec3(1.0)));
+#ifdef WRITE_LIGHT
+    light_after = vec4(touched ? linear : plate_linear, virtual_light.a);
+    light_before = vec4(plate_linear, touched ? 1.0 : 0.0);
+#else
     composited_code = touched ? vec4(code_from_linear(linear), 1.0) : vec4(code, 0.0);
+#endif
 #ifdef WRITE_LAYERS
-    composited_linear = vec4(touched ? linear : plate_linear, virtual_light.a);
     shadow_layer = vec4(ratio, 1.0);
     virtual_layer = vec4(virtual_light.rgb * gain * falloff, virtual_light.a);
     geometry = vec4(0.0);

@@ -35,6 +35,7 @@ struct RenderArguments {
     std::string touched_masks;
     std::optional<QualityLevel> level;
     FrameRange frames;
+    std::optional<std::int64_t> explain;
     std::int64_t first_number = 0;
     bool overwrite = false;
     bool strict = false;
@@ -143,17 +144,63 @@ void render(const RenderArguments& arguments, CommandContext& context) {
                  text);
 }
 
+/// Prints what became of every pass of one frame; writes no picture.
+void explain(const RenderArguments& arguments, CommandContext& context) {
+    Scene scene = load_scene(arguments.scene, context.warnings);
+    if (arguments.level) scene.quality = *arguments.level;
+    const Solve solve = solve_of_scene(scene, context.warnings);
+    const std::unique_ptr<FrameSource> source = open_frames(scene, arguments.strict, context.warnings);
+    source->seek(*arguments.explain);
+    std::optional<PlateFrame> plate = source->next();
+    if (!plate || plate->index() != *arguments.explain) {
+        throw InputError(source->info().path, fmt::format("has no frame {}", *arguments.explain));
+    }
+    const std::unique_ptr<GlContext> gl = create_offscreen_context();
+    Compositor compositor(*gl, scene, solve, {.quality = scene.quality, .timed = true}, context.warnings);
+    // The first time compiles programs and fills the pool; the second is what a frame costs.
+    compositor.composite(*plate);
+    compositor.composite(std::move(*plate));
+    nlohmann::json passes = nlohmann::json::array();
+    std::string text =
+        fmt::format("{:<28} {:<8} {:>19} {:>9} {:>9} {:>7}  why", "pass", "", "region", "ms", "MB", "bounds");
+    for (const PassReport& report : compositor.reports()) {
+        const Region& region = report.frame_pixels;
+        passes.push_back(
+            {{"pass", report.name},
+             {"drawn", report.drawn},
+             {"why", report.why},
+             {"region", {{"x", region.x}, {"y", region.y}, {"width", region.width}, {"height", region.height}}},
+             {"ms", report.ms},
+             {"bytes", report.bytes},
+             {"bandwidth_bounds", report.bandwidth_bounds}});
+        const std::string place =
+            region.empty() ? "" : fmt::format("{}×{} at {},{}", region.width, region.height, region.x, region.y);
+        text += fmt::format("\n{:<28} {:<8} {:>19} ", report.name, report.drawn ? "drawn" : "left out", place);
+        text += report.drawn ? fmt::format("{:9.2f} {:9.2f} {:7.1f}  {}", report.ms, report.bytes * 1e-6,
+                                           report.bandwidth_bounds, report.why)
+                             : fmt::format("{:>9} {:>9} {:>7}  {}", "", "", "", report.why);
+    }
+    print_result(context, {{"frame", *arguments.explain}, {"passes", std::move(passes)}}, text);
+}
+
 }  // namespace
 
 void add_render_command(CLI::App& app, CommandContext& context) {
     CLI::App* command = app.add_subcommand("render", "Composite the scene's objects into its footage");
     const auto arguments = std::make_shared<RenderArguments>();
     command->add_option("scene", arguments->scene, "Scene file")->required()->type_name("SCENE.toml");
-    command
-        ->add_option("-o,--output", arguments->output,
-                     "Video (.mp4, .mov, .mkv) or pictures (out_%04d.png, out_%04d.exr)")
-        ->required()
-        ->type_name("OUT");
+    CLI::Option* output = command
+                              ->add_option("-o,--output", arguments->output,
+                                           "Video (.mp4, .mov, .mkv) or pictures (out_%04d.png, out_%04d.exr)")
+                              ->type_name("OUT");
+    CLI::Option* explained =
+        command
+            ->add_option("--explain", arguments->explain,
+                         "Instead of rendering, print each pass of this frame: drawn or left out and why, its region, "
+                         "milliseconds, bytes moved, and how often the time to move them it took")
+            ->check(CLI::NonNegativeNumber)
+            ->excludes(output)
+            ->type_name("FRAME");
     add_frames_option(*command, arguments->frames);
     command->add_flag("--overwrite", arguments->overwrite, "Replace what exists under the output's name");
     command->add_option("--first", arguments->first_number, "Number of frame 0 in picture names (0)")
@@ -174,7 +221,11 @@ void add_render_command(CLI::App& app, CommandContext& context) {
             throw CLI::Success();
         },
         "Print every key of the scene file, and exit");
-    command->callback([arguments, &context] { render(*arguments, context); });
+    command->callback([=, &context] {
+        if (explained->count() > 0) return explain(*arguments, context);
+        if (output->count() == 0) throw CLI::RequiredError("--output or --explain");
+        render(*arguments, context);
+    });
 }
 
 }  // namespace matchlight

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/image.h"
 #include "core/warnings.h"
 #include "gl/context.h"
 #include "media/plate.h"
+#include "render/graph.h"
 #include "scene/scene_file.h"
 #include "tracking/solve_file.h"
 
@@ -46,6 +48,7 @@ struct CompositedFrame {
 struct CompositorOptions {
     QualityLevel quality = QualityLevel::final_;
     bool layers = false;  // also return FrameLayers
+    bool timed = false;   // time every pass, for reports(); waits for the GPU at each
 };
 
 class Compositor {
@@ -61,6 +64,9 @@ public:
     /// A pure function of frame, solve and scene: frames may come in any order. A frame without a pose is returned as
     /// it came.
     CompositedFrame composite(PlateFrame plate);
+
+    /// What became of each pass of the last frame.
+    std::vector<PassReport> reports() const;
 
     /// The virtual layer alone over the whole frame, for output with alpha: code values of its light, premultiplied by
     /// alpha, 4 floats a pixel. Needs the frame's layers.

@@ -1,6 +1,7 @@
 // Perspective keeps convex bodies convex: the bounds of the clipped edges' ends are the bounds of the body.
 #include "compositor/reach.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace matchlight {
@@ -77,7 +78,17 @@ std::int64_t Reach::pixels() const {
     return sum;
 }
 
+bool Reach::has_tile(int column, int row) const {
+    return std::any_of(runs.begin(), runs.end(),
+                       [&](const Region& run) { return run.contains(column * tile_px, row * tile_px); });
+}
+
 namespace {
+
+Region tile_at(int column, int row, const Camera& camera) {
+    return Region{column * Reach::tile_px, row * Reach::tile_px, Reach::tile_px, Reach::tile_px}.intersected(
+        {0, 0, camera.width, camera.height});
+}
 
 /// The surface that a tile sees; the whole plane where one of its corners sees none (a horizon crosses the tile, or the
 /// lens model does not reach it), empty where none of them does.
@@ -109,35 +120,38 @@ Eigen::AlignedBox2d surface_seen(const Region& tile, double surface_z_m, const R
 
 }  // namespace
 
+Reach tiles_of(const Camera& camera, const std::function<bool(int column, int row)>& wanted) {
+    const int columns = (camera.width + Reach::tile_px - 1) / Reach::tile_px;
+    const int rows = (camera.height + Reach::tile_px - 1) / Reach::tile_px;
+    Reach reach;
+    for (int row = 0; row < rows; ++row) {
+        Region run;
+        // One column past the last ends the run.
+        for (int column = 0; column <= columns; ++column) {
+            if (column < columns && wanted(column, row)) {
+                run = run.united(tile_at(column, row, camera));
+            } else if (!run.empty()) {
+                reach.runs.push_back(run);
+                reach.bounds = reach.bounds.united(run);
+                run = {};
+            }
+        }
+    }
+    return reach;
+}
+
 Reach make_reach(const std::vector<Region>& object_regions, const ShadowTest& shadow_in, double surface_z_m,
                  const RigidTransform& camera_from_world, const LensMap& lens_map, const Camera& camera) {
     const RigidTransform world_from_camera = camera_from_world.inverse();
-    const Region frame{0, 0, camera.width, camera.height};
-    Reach reach;
-    for (int y = 0; y < camera.height; y += Reach::tile_px) {
-        Region run;
-        const auto end_run = [&] {
-            if (!run.empty()) reach.runs.push_back(run);
-            reach.bounds = reach.bounds.united(run);
-            run = {};
-        };
-        for (int x = 0; x < camera.width; x += Reach::tile_px) {
-            const Region tile = Region{x, y, Reach::tile_px, Reach::tile_px}.intersected(frame);
-            bool active = false;
-            for (const Region& region : object_regions) active = active || !tile.intersected(region).empty();
-            if (!active && shadow_in) {
-                const Eigen::AlignedBox2d seen = surface_seen(tile, surface_z_m, world_from_camera, lens_map);
-                active = !seen.isEmpty() && shadow_in(seen);
-            }
-            if (active) {
-                run = run.united(tile);
-            } else {
-                end_run();
-            }
+    return tiles_of(camera, [&](int column, int row) {
+        const Region tile = tile_at(column, row, camera);
+        for (const Region& region : object_regions) {
+            if (!tile.intersected(region).empty()) return true;
         }
-        end_run();
-    }
-    return reach;
+        if (!shadow_in) return false;
+        const Eigen::AlignedBox2d seen = surface_seen(tile, surface_z_m, world_from_camera, lens_map);
+        return !seen.isEmpty() && shadow_in(seen);
+    });
 }
 
 }  // namespace matchlight

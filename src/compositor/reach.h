@@ -41,7 +41,12 @@ struct Reach {
     Region bounds;             // around all of them
 
     std::int64_t pixels() const;
+    /// Whether the tile in that column and row of the frame's tiles is part of it.
+    bool has_tile(int column, int row) const;
 };
+
+/// The tiles for which `wanted` says so, by column and row.
+Reach tiles_of(const Camera& camera, const std::function<bool(int column, int row)>& wanted);
 
 /// Whether a box of the real surface (world x, y) holds shadow.
 using ShadowTest = std::function<bool(const Eigen::AlignedBox2d& box_m)>;

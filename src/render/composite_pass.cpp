@@ -1,10 +1,11 @@
-// Uploads the region's code values, draws one triangle, reads the region back.
+// Uploads the region's code values and draws one triangle a run.
 #include "render/composite_pass.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
+
+#include "gl/framebuffer.h"
 
 namespace matchlight {
 
@@ -17,6 +18,12 @@ ImageF rows_of(const ImageF& image, const Region& part) {
         std::copy_n(image.pixel(part.x, part.y + y), part.width * image.channels(), packed.pixel(0, y));
     }
     return packed;
+}
+
+void put(ImageF& image, const Region& part, const ImageF& packed) {
+    for (int y = 0; y < part.height; ++y) {
+        std::copy_n(packed.pixel(0, y), part.width * image.channels(), image.pixel(part.x, part.y + y));
+    }
 }
 
 /// Below the three rows of light at each code, three rows that say for evenly spaced roots of light (as a share of the
@@ -37,18 +44,34 @@ ImageF with_starting_points(const ImageF& response) {
     return table;
 }
 
-void put(ImageF& image, const Region& part, const ImageF& packed) {
-    for (int y = 0; y < part.height; ++y) {
-        std::copy_n(packed.pixel(0, y), part.width * image.channels(), image.pixel(part.x, part.y + y));
+/// Draws only where the runs are.
+void draw_runs(const PassRun& run, Program& program, const Region& region, const std::vector<Region>& runs) {
+    glEnable(GL_SCISSOR_TEST);
+    for (const Region& one : runs) {
+        const Region part = one.moved(-region.x, -region.y);
+        glScissor(part.x, part.y, part.width, part.height);
+        run.draw(program);
     }
+    glDisable(GL_SCISSOR_TEST);
 }
 
 }  // namespace
+
+ImageF read_runs(const Texture2D& texture, const Region& region, const std::vector<Region>& runs, int channels) {
+    const Framebuffer source({texture});
+    ImageF image(region.width, region.height, channels);
+    for (const Region& run : runs) {
+        const Region part = run.moved(-region.x, -region.y);
+        put(image, part, source.read<float>(part, channels));
+    }
+    return image;
+}
 
 CompositePass::CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response)
     : shaders_(shaders),
       lens_nodes_({.format = GL_RG32F, .width = lens_nodes.width(), .height = lens_nodes.height()}),
       response_({.format = GL_R32F, .width = response.width(), .height = 6}),
+      response_table_(response),
       lens_spacing_(lens_spacing),
       empty_({.format = GL_RGBA32F, .width = 2, .height = 2}),
       empty_id_({.format = GL_R32UI, .width = 2, .height = 2}) {
@@ -56,46 +79,41 @@ CompositePass::CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, i
     response_.upload(with_starting_points(response));
 }
 
-void CompositePass::hold(const Region& region, bool layers) {
-    const std::array<Texture2D*, 5> layer_targets{&linear_, &shadow_, &virtual_, &geometry_, &object_};
-    if (region.width > width_ || region.height > height_) {
-        width_ = std::max(width_, region.width);
-        height_ = std::max(height_, region.height);
-        plate_ = Texture2D({.format = GL_RGB32F, .width = width_, .height = height_});
-        code_ = Texture2D({.format = GL_RGBA32F, .width = width_, .height = height_});
-        for (Texture2D* target : layer_targets) *target = Texture2D();
+double CompositePass::least_visible_light(int bit_depth) const {
+    const int last = response_table_.width() - 1;
+    const int half_step = std::max(1, last / (2 * ((1 << bit_depth) - 1)));
+    double least = 1e9;
+    for (int channel = 0; channel < 3; ++channel) {
+        const std::span<const float> light = response_table_.row(channel);
+        for (int i = half_step; i <= last; ++i) {
+            least = std::min(least, static_cast<double>(light[i]) - static_cast<double>(light[i - half_step]));
+        }
     }
-    if (!layers || linear_) return;
-    for (Texture2D* target : layer_targets) {
-        *target = Texture2D({.format = GL_RGBA32F, .width = width_, .height = height_});
-    }
+    return least;
 }
 
-CompositeOutput CompositePass::draw(const CompositeInput& input) {
-    const Region& region = input.region;
-    const Region origin{0, 0, region.width, region.height};
-    hold(region, input.layers);
-    for (const Region& run : input.runs) {
-        const Region part = run.moved(-region.x, -region.y);
-        const ImageF rows = rows_of(*input.plate_code, part);
-        plate_.upload(part, rows.samples());
-    }
-    const Framebuffer target =
-        input.layers ? Framebuffer({code_, linear_, shadow_, virtual_, geometry_, object_}) : Framebuffer({code_});
-    target.bind(origin);
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_BLEND);
+GraphTexture CompositePass::add_upload(RenderGraph& graph, const char* name, const ImageF& code, const Region& region,
+                                       const std::vector<Region>& runs) {
+    double pixels = 0;
+    for (const Region& run : runs) pixels += static_cast<double>(run.width) * run.height;
+    constexpr double bytes_a_pixel = 3 * sizeof(float);
+    return graph.add_pass({.name = name,
+                           .writes = {GL_RGB32F},
+                           .region = region,
+                           .raster = false,
+                           .bytes = pixels * bytes_a_pixel,
+                           .draw = [&code, region, runs](PassRun& run) {
+                               for (const Region& one : runs) {
+                                   const Region part = one.moved(-region.x, -region.y);
+                                   const ImageF rows = rows_of(code, part);
+                                   run.upload(part, rows.samples());
+                               }
+                           }})[0];
+}
 
-    Program& program = shaders_.full_screen("composite/composite.frag",
-                                            input.layers ? ShaderDefines{{"WRITE_LAYERS", "1"}} : ShaderDefines{});
-    program.use();
-    program.bind_texture("plate_code", 0, plate_);
-    program.set("region_origin", Eigen::Vector2i(region.x, region.y));
-    program.bind_texture("lens_nodes", 1, lens_nodes_);
-    program.set("lens_spacing", static_cast<float>(lens_spacing_));
-    program.bind_texture("response_linear", 2, response_);
-
-    const VirtualLayer& layer = input.layer;
+void CompositePass::set_layer(Program& program, const CompositeInput& input) const {
+    static const VirtualLayer nothing;
+    const VirtualLayer& layer = input.layer != nullptr ? *input.layer : nothing;
     const SurfacePicture& picture = layer.picture;
     program.set("layer_present", picture.color != nullptr);
     program.set("layer_size", Eigen::Vector2i(picture.width, picture.height));
@@ -105,11 +123,17 @@ CompositeOutput CompositePass::draw(const CompositeInput& input) {
         program.bind_texture(sampler, unit, texture != nullptr ? *texture : otherwise);
     };
     bind_or("layer", 3, picture.color, empty_);
-    if (input.layers) {
-        bind_or("layer_normal", 6, picture.normal, empty_);
-        bind_or("layer_depth_m", 7, picture.depth_m, empty_);
-        bind_or("layer_object_id", 8, picture.object_id, empty_id_);
-    }
+    if (!input.layers) return;
+    bind_or("layer_normal", 6, picture.normal, empty_);
+    bind_or("layer_depth_m", 7, picture.depth_m, empty_);
+    bind_or("layer_object_id", 8, picture.object_id, empty_id_);
+}
+
+void CompositePass::set_input(Program& program, const CompositeInput& input) const {
+    program.bind_texture("lens_nodes", 1, lens_nodes_);
+    program.set("lens_spacing", static_cast<float>(lens_spacing_));
+    program.bind_texture("response_linear", 2, response_);
+    set_layer(program, input);
 
     program.set("shadow_present", input.shadow != nullptr);
     if (input.shadow != nullptr) {
@@ -131,28 +155,71 @@ CompositeOutput CompositePass::draw(const CompositeInput& input) {
     program.set("vignette_frame",
                 Eigen::Vector3f(Eigen::Vector3d(centre.x(), centre.y(), 1 / corner_px).cast<float>()));
     program.set("least_visible_loss", input.least_visible_loss);
+}
 
-    CompositeOutput output;
-    output.code = ImageF(region.width, region.height, 4);
-    glEnable(GL_SCISSOR_TEST);
-    for (const Region& run : input.runs) {
-        const Region part = run.moved(-region.x, -region.y);
-        glScissor(part.x, part.y, part.width, part.height);
-        triangle_.draw();
-    }
-    glDisable(GL_SCISSOR_TEST);
-    for (const Region& run : input.runs) {
-        const Region part = run.moved(-region.x, -region.y);
-        put(output.code, part, target.read<float>(part, 4));
+CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& input) {
+    const GraphTexture plate = add_upload(graph, "plate/upload", *input.plate_code, input.region, input.runs);
+    GraphPass pass{
+        .name = "composite", .reads = {{plate}, {input.layer_drawn}}, .writes = {GL_RGBA32F}, .region = input.region};
+    ShaderDefines defines;
+    if (input.light) {
+        pass.writes.push_back(GL_RGBA32F);
+        defines["WRITE_LIGHT"] = "1";
     }
     if (input.layers) {
-        output.linear = target.read<float>(origin, 4, 1);
-        output.shadow = target.read<float>(origin, 3, 2);
-        output.virtual_rgba = target.read<float>(origin, 4, 3);
-        output.geometry = target.read<float>(origin, 4, 4);
-        output.object_id = target.read<float>(origin, 1, 5);
+        pass.writes.insert(pass.writes.end(), 4, GL_RGBA32F);
+        defines["WRITE_LAYERS"] = "1";
     }
-    return output;
+    pass.draw = [this, input, plate, defines](PassRun& run) {
+        Program& program = shaders_.full_screen("composite/composite.frag", defines);
+        program.use();
+        run.bind(program, "plate_code", 0, plate);
+        set_input(program, input);
+        draw_runs(run, program, input.region, input.runs);
+    };
+    const std::vector<GraphTexture> written = graph.add_pass(std::move(pass));
+    CompositePicture picture;
+    picture.plate = plate;
+    (input.light ? picture.light.after : picture.code) = written[0];
+    if (input.light) picture.light.before = written[1];
+    if (input.layers) {
+        picture.shadow = written[2];
+        picture.virtual_rgba = written[3];
+        picture.geometry = written[4];
+        picture.object_id = written[5];
+    }
+    return picture;
+}
+
+ResponsePicture CompositePass::add_response(RenderGraph& graph, const ResponseInput& input) {
+    const bool around = !input.light.after;
+    const GraphTexture plate =
+        input.plate ? input.plate
+                    : add_upload(graph, "plate/upload around", *input.plate_code, input.region, input.runs);
+    GraphPass pass{.name = around ? "response around" : "response",
+                   .reads = {{plate}, {input.light.after}, {input.light.before}, {input.spill}},
+                   .writes = {GL_RGBA32F},
+                   .region = input.region};
+    ShaderDefines defines;
+    if (around) defines["PLATE_ALONE"] = "1";
+    if (input.layers) {
+        pass.writes.push_back(GL_RGBA32F);
+        defines["WRITE_LAYERS"] = "1";
+    }
+    pass.draw = [this, input, plate, defines](PassRun& run) {
+        Program& program = shaders_.full_screen("composite/response.frag", defines);
+        program.use();
+        run.bind(program, "plate_code", 0, plate);
+        run.bind(program, "light_after", 1, input.light.after);
+        program.bind_texture("response_linear", 2, response_);
+        run.bind(program, "light_before", 3, input.light.before);
+        run.bind(program, "spill", 4, input.spill);
+        program.set("spill_present", static_cast<bool>(input.spill));
+        program.set("least_visible_code", input.least_visible_code);
+        draw_runs(run, program, input.region, input.runs);
+    };
+    const std::vector<GraphTexture> written = graph.add_pass(std::move(pass));
+    return {written[0], input.layers ? written[1] : GraphTexture{}};
 }
 
 }  // namespace matchlight

@@ -1,4 +1,5 @@
-// The last pass: real light, dimmed by the shadow, under the virtual layer, back in the camera's code values.
+// The plate and the virtual layer become one picture: real light, dimmed by the shadow, under the objects, back in the
+// camera's code values, with what the camera's effects spill.
 #pragma once
 
 #include <array>
@@ -8,10 +9,10 @@
 
 #include "core/image.h"
 #include "core/transforms.h"
-#include "gl/framebuffer.h"
-#include "gl/objects.h"
 #include "gl/shader_library.h"
 #include "render/effects/contact_shadow.h"
+#include "render/frame_light.h"
+#include "render/graph.h"
 #include "render/surface.h"
 
 namespace matchlight {
@@ -31,24 +32,44 @@ struct FrameOptics {
 };
 
 struct CompositeInput {
-    const ImageF* plate_code = nullptr;  // RGB code values over `region`
-    Region region;                       // what the images cover
-    std::vector<Region> runs;            // the parts of it to draw, in plate pixels
-    VirtualLayer layer;
+    const ImageF* plate_code = nullptr;     // RGB code values over `region`; read by run()
+    Region region;                          // what the images cover
+    std::vector<Region> runs;               // the parts of it to draw, in plate pixels
+    const VirtualLayer* layer = nullptr;    // read by run(), after `layer_drawn`; null: nothing in view
+    GraphTexture layer_drawn;               // what the layer's pass provides
     const ContactShadow* shadow = nullptr;  // null: no shadow, which is a ratio of 1
     FrameOptics optics;
     double least_visible_loss = 0;  // a shadow that takes less leaves the pixel the plate's
-    bool layers = false;            // also return linear light and the ratio
+    bool light = false;             // linear light, for effects and layers; else code values at once
+    bool layers = false;            // also what layers show; needs `light`
 };
 
-/// All over the input's region; what lies outside its runs is not written.
-struct CompositeOutput {
-    ImageF code;          // RGB; a = 1 where the pixel was touched
-    ImageF linear;        // plate-linear RGB and the virtual layer's alpha; empty unless asked for
-    ImageF shadow;        // RGB ratio; empty unless asked for
-    ImageF virtual_rgba;  // premultiplied plate-linear light and alpha; empty unless asked for
-    ImageF geometry;      // world normal and depth in metres; empty unless asked for
-    ImageF object_id;     // 0 = nothing; empty unless asked for
+/// Textures over the input's region; what lies outside its runs is not written.
+struct CompositePicture {
+    GraphTexture plate;         // RGB code values
+    GraphTexture code;          // RGB; a = 1 where the pixel was touched; only without `light`
+    FrameLight light;           // `before` has a = 1 where the pixel was touched
+    GraphTexture shadow;        // RGB ratio
+    GraphTexture virtual_rgba;  // premultiplied plate-linear light and alpha
+    GraphTexture geometry;      // world normal and depth in metres
+    GraphTexture object_id;     // 0 = nothing
+};
+
+/// What the response pass adds to a part of the frame.
+struct ResponseInput {
+    GraphTexture plate = {};             // RGB code values over `region`; or else
+    const ImageF* plate_code = nullptr;  // the same to be uploaded; read by run()
+    Region region;
+    std::vector<Region> runs;
+    FrameLight light = {};          // empty: the plate alone, around what objects touch
+    GraphTexture spill;             // plate-linear light to add; empty: none
+    double least_visible_code = 0;  // spilled light that moves no code by more leaves the pixel the plate's
+    bool layers = false;
+};
+
+struct ResponsePicture {
+    GraphTexture code;    // RGB; a = 1 where the pixel was touched
+    GraphTexture linear;  // plate-linear RGB and the objects' coverage; only with `layers`
 };
 
 /// Holds what no frame changes: the lens as a grid and the response as a table.
@@ -57,21 +78,28 @@ public:
     /// `lens_nodes` as LensMap has it, one node every `lens_spacing` pixels; `response` holds one row a channel.
     CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response);
 
-    CompositeOutput draw(const CompositeInput& input);
+    CompositePicture add(RenderGraph& graph, const CompositeInput& input);
+    /// From light to code values, with the spilled light.
+    ResponsePicture add_response(RenderGraph& graph, const ResponseInput& input);
+
+    /// The least light that can move a code by half a step of `bit_depth`, anywhere on the response.
+    double least_visible_light(int bit_depth) const;
 
 private:
-    /// Makes the textures large enough for the region; those of the layers only when they are asked for.
-    void hold(const Region& region, bool layers);
+    GraphTexture add_upload(RenderGraph& graph, const char* name, const ImageF& code, const Region& region,
+                            const std::vector<Region>& runs);
+    void set_input(Program& program, const CompositeInput& input) const;
+    void set_layer(Program& program, const CompositeInput& input) const;
 
     ShaderLibrary& shaders_;
     Texture2D lens_nodes_;
     Texture2D response_;
+    ImageF response_table_;
     int lens_spacing_;
-    FullScreenTriangle triangle_;
-    // Kept between frames; made anew when a frame needs larger ones.
-    int width_ = 0, height_ = 0;
-    Texture2D plate_, code_, linear_, shadow_, virtual_, geometry_, object_;
     Texture2D empty_, empty_id_;  // stand in for inputs that a frame does not have
 };
+
+/// The parts of a texture over `region` that lie in `runs` (plate pixels): all over the region, zero elsewhere.
+ImageF read_runs(const Texture2D& texture, const Region& region, const std::vector<Region>& runs, int channels);
 
 }  // namespace matchlight

@@ -116,47 +116,23 @@ void EnvironmentSettings::check() const {
 }
 
 Environment::Environment(ShaderLibrary& shaders, const Probe& probe, const EnvironmentSettings& settings)
-    : sh_(project_to_sh(probe)) {
+    : settings_(settings), sh_(project_to_sh(probe)) {
     settings.check();
-    const int face_size = face_size_for(probe, settings);
+    settings_.face_size = face_size_for(probe, settings);
     ImageF image = probe.latlong;
     // A lat-long image of width 4·face has the cube's resolution at the horizon; twice that is all that can be seen.
-    while (image.width() > 8 * face_size && image.width() % 2 == 0 && image.height() % 2 == 0) image = reduced(image);
+    const int widest = 8 * settings_.face_size;
+    while (image.width() > widest && image.width() % 2 == 0 && image.height() % 2 == 0) image = reduced(image);
     for (float& value : image.samples()) {
         if (value > largest_half) {
             value = largest_half;
             ++clamped_values_;
         }
     }
-    Texture2D latlong({.format = GL_RGBA32F, .width = image.width(), .height = image.height()});
-    latlong.upload(image);
-    latlong.set_filter(Filter::linear);
-    latlong.set_wrap(Wrap::repeat, Wrap::clamp_to_edge);
-
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_BLEND);
-    // The source of the lobes: box-filtered mip levels down to one texel.
-    TextureCube mirror(GL_RGBA32F, face_size, std::bit_width(static_cast<unsigned>(face_size)));
-    draw_mirror_level(shaders, latlong, mirror);
-    mirror.make_mipmaps();
-
-    cube_ = TextureCube(GL_RGBA16F, face_size, level_count(face_size));
-    for (int face = 0; face < 6; ++face) {
-        const Framebuffer from({Attachment(mirror, 0, face)});
-        from.resolve_color_to(Framebuffer({Attachment(cube_, 0, face)}), from.bounds());
-    }
-    draw_rough_levels(shaders, mirror, settings.lookups_per_level);
-
-    const int size = settings.sphere_map_size;
-    sphere_map_ = Texture2D({.format = GL_RGBA16F, .width = size, .height = size, .levels = 0});
-    Program& program = shaders.full_screen("surface/environment_sphere_map.frag");
-    latlong.bind(0);
-    program.use();
-    const Framebuffer target({sphere_map_});
-    target.bind();
-    FullScreenTriangle().draw();
-    sphere_map_.make_mipmaps();
-    sphere_map_.set_filter(Filter::trilinear);
+    latlong_ = Texture2D({.format = GL_RGBA32F, .width = image.width(), .height = image.height()});
+    latlong_.upload(image);
+    latlong_.set_filter(Filter::linear);
+    latlong_.set_wrap(Wrap::repeat, Wrap::clamp_to_edge);
 
     // 64² texels and 128 visible normals: within 2e-3 of the integral where roughness is above 0.1.
     constexpr int table_size = 64, table_samples = 128;
@@ -164,17 +140,54 @@ Environment::Environment(ShaderLibrary& shaders, const Probe& probe, const Envir
     split_sum_ = Texture2D({.format = GL_RG32F, .width = table_size, .height = table_size});
     split_sum_.upload(table);
     split_sum_.set_filter(Filter::linear);
+    if (!settings.maps_at_once) return;
+    make_cube(shaders);
+    make_sphere_map(shaders);
 }
 
-void Environment::draw_mirror_level(ShaderLibrary& shaders, const Texture2D& latlong, const TextureCube& mirror) const {
+void Environment::make_cube(ShaderLibrary& shaders) {
+    if (cube_) return;
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+    const int face_size = settings_.face_size;
+    // The source of the lobes: box-filtered mip levels down to one texel.
+    TextureCube mirror(GL_RGBA32F, face_size, std::bit_width(static_cast<unsigned>(face_size)));
+    draw_mirror_level(shaders, mirror);
+    mirror.make_mipmaps();
+
+    cube_ = TextureCube(GL_RGBA16F, face_size, level_count(face_size));
+    for (int face = 0; face < 6; ++face) {
+        const Framebuffer from({Attachment(mirror, 0, face)});
+        from.resolve_color_to(Framebuffer({Attachment(cube_, 0, face)}), from.bounds());
+    }
+    draw_rough_levels(shaders, mirror, settings_.lookups_per_level);
+}
+
+void Environment::make_sphere_map(ShaderLibrary& shaders) {
+    if (sphere_map_) return;
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+    const int size = settings_.sphere_map_size;
+    sphere_map_ = Texture2D({.format = GL_RGBA16F, .width = size, .height = size, .levels = 0});
+    Program& program = shaders.full_screen("surface/environment_sphere_map.frag");
+    latlong_.bind(0);
+    program.use();
+    const Framebuffer target({sphere_map_});
+    target.bind();
+    FullScreenTriangle().draw();
+    sphere_map_.make_mipmaps();
+    sphere_map_.set_filter(Filter::trilinear);
+}
+
+void Environment::draw_mirror_level(ShaderLibrary& shaders, const TextureCube& mirror) const {
     // Two samples for each lat-long pixel under a texel, and at least three, keep the energy of lights of one pixel to
     // a tenth; with two across it is a seventh.
-    const double pixels_a_texel = latlong.height() / (2.0 * mirror.face_size());
+    const double pixels_a_texel = latlong_.height() / (2.0 * mirror.face_size());
     const int samples_across = std::clamp(static_cast<int>(std::ceil(2 * pixels_a_texel)), 3, 8);
     Program& program = shaders.full_screen("surface/environment_cube.frag");
     program.use();
     program.set("samples_across", samples_across);
-    latlong.bind(0);
+    latlong_.bind(0);
     const FullScreenTriangle triangle;
     for (int face = 0; face < 6; ++face) {
         const Framebuffer target({Attachment(mirror, 0, face)});
@@ -213,9 +226,9 @@ void Environment::bind(Program& program) const {
     cube_.bind(cube_unit);
     split_sum_.bind(split_sum_unit);
     sphere_map_.bind(sphere_map_unit);
-    program.set("last_level", cube_.levels() - 1.0);
+    if (cube_) program.set("last_level", cube_.levels() - 1.0);
     program.set("levels_per_octave", 1 / std::log2(1 / roughness_ratio));
-    program.set("first_roughness", roughness_of_level(1));
+    if (cube_) program.set("first_roughness", roughness_of_level(1));
     const auto terms = irradiance_terms(sh_);
     program.set("irradiance_terms", std::span<const Eigen::Vector3f>(terms));
 }

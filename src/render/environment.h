@@ -17,6 +17,8 @@ struct EnvironmentSettings {
     int sphere_map_size = 512;  // pixels across the ball of the sphere map, 16 to 4096
     /// Lookups spent on each rough level, shared among its texels (32 to 512 each); at least 10,000.
     int lookups_per_level = 3'000'000;
+    /// False: the cube and the sphere map wait for make_cube() and make_sphere_map(), for scenes that need one of them.
+    bool maps_at_once = true;
 
     /// Throws std::invalid_argument naming the value that is out of range.
     void check() const;
@@ -32,7 +34,11 @@ public:
     /// `probe` is already placed (turned and scaled) in the scene.
     Environment(ShaderLibrary& shaders, const Probe& probe, const EnvironmentSettings& settings = {});
 
-    /// Binds the textures to the units below and sets the uniforms of common/environment.glsl.
+    /// Each draws its map the first time it is called.
+    void make_cube(ShaderLibrary& shaders);
+    void make_sphere_map(ShaderLibrary& shaders);
+
+    /// Binds the textures (those that were made) to the units below and sets the uniforms of common/environment.glsl.
     void bind(Program& program) const;
 
     static constexpr GLuint cube_unit = 5;
@@ -48,10 +54,12 @@ public:
     std::int64_t clamped_values() const { return clamped_values_; }
 
 private:
-    void draw_mirror_level(ShaderLibrary& shaders, const Texture2D& latlong, const TextureCube& mirror) const;
+    void draw_mirror_level(ShaderLibrary& shaders, const TextureCube& mirror) const;
     void draw_rough_levels(ShaderLibrary& shaders, const TextureCube& mirror, int lookups_per_level) const;
 
+    EnvironmentSettings settings_;
     SphericalHarmonics9 sh_;
+    Texture2D latlong_;  // what the maps are made from
     TextureCube cube_;
     Texture2D split_sum_;
     Texture2D sphere_map_;

@@ -15,6 +15,7 @@ namespace matchlight {
 struct RenderGraph::Node {
     GraphShape shape;
     const Texture2D* texture = nullptr;  // imported, or from the pool while it is in use
+    Texture2D* pool_texture = nullptr;   // the same, where the graph owns it
     std::optional<std::size_t> writer;   // pass
     bool pooled = false;
 };
@@ -24,12 +25,13 @@ struct RenderGraph::Scheduled {
     std::vector<GraphTexture> written;
     Region region;
     PassReport report;
+    bool run = false;
 };
 
 /// Textures in steps of 64 texels a side, so that a region that grows from frame to frame seldom needs a new one.
 class RenderGraph::TexturePool {
 public:
-    const Texture2D* take(const GraphShape& shape) {
+    Texture2D* take(const GraphShape& shape) {
         constexpr int step = 64;
         const int width = (shape.region.width + step - 1) / step * step;
         const int height = (shape.region.height + step - 1) / step * step;
@@ -206,7 +208,7 @@ std::vector<std::size_t> RenderGraph::schedule() const {
     const auto visit = [&](const auto& self, GraphTexture texture) -> void {
         if (!texture) return;
         const auto& writer = nodes_[static_cast<std::size_t>(texture.id)].writer;
-        if (!writer || seen[*writer]) return;
+        if (!writer || seen[*writer] || passes_[*writer].run) return;
         seen[*writer] = true;
         for (const PassInput& input : passes_[*writer].pass.reads) self(self, input.texture);
         order.push_back(*writer);
@@ -216,19 +218,20 @@ std::vector<std::size_t> RenderGraph::schedule() const {
 }
 
 void RenderGraph::run(bool timed) {
-    order_ = schedule();
+    const std::vector<std::size_t> order = schedule();
     // A pooled texture's last reader gives it back; outputs are kept.
     std::vector<std::size_t> last_reader(nodes_.size(), 0);
-    for (std::size_t place = 0; place < order_.size(); ++place) {
-        const Scheduled& scheduled = passes_[order_[place]];
+    for (std::size_t place = 0; place < order.size(); ++place) {
+        const Scheduled& scheduled = passes_[order[place]];
         for (const GraphTexture texture : scheduled.written) last_reader[static_cast<std::size_t>(texture.id)] = place;
         for (const PassInput& input : scheduled.pass.reads) {
             if (input.texture) last_reader[static_cast<std::size_t>(input.texture.id)] = place;
         }
     }
-    for (const GraphTexture texture : outputs_) last_reader[static_cast<std::size_t>(texture.id)] = order_.size();
-    for (std::size_t place = 0; place < order_.size(); ++place) {
-        draw_pass(passes_[order_[place]], timed);
+    for (const GraphTexture texture : outputs_) last_reader[static_cast<std::size_t>(texture.id)] = order.size();
+    for (std::size_t place = 0; place < order.size(); ++place) {
+        draw_pass(passes_[order[place]], timed);
+        order_.push_back(order[place]);
         for (std::size_t node = 0; node < nodes_.size(); ++node) {
             if (nodes_[node].pooled && nodes_[node].texture != nullptr && last_reader[node] == place) {
                 pool_->give_back(nodes_[node].texture);
@@ -240,14 +243,16 @@ void RenderGraph::run(bool timed) {
 void RenderGraph::draw_pass(Scheduled& scheduled, bool timed) {
     const GraphPass& pass = scheduled.pass;
     PassReport& report = scheduled.report;
+    scheduled.run = true;
     report.name = pass.name;
     report.frame_pixels = GraphShape{GL_NONE, scheduled.region, pass.scale}.frame_pixels();
     report.bytes = pass.bytes;
     for (const GraphTexture texture : pass.provides) {
         report.frame_pixels = report.frame_pixels.united(shape(texture).frame_pixels());
     }
-    if (pass.once && kept_.contains(pass.name)) {
-        report.why = "kept from an earlier frame";
+    if (const auto kept = kept_.find(pass.name); pass.once && kept != kept_.end()) {
+        report.why = "made once for the clip";
+        if (kept->second > 0) report.why += fmt::format(", in {:.1f} ms", kept->second);
         return;
     }
     for (const PassInput& input : pass.reads) {
@@ -255,11 +260,14 @@ void RenderGraph::draw_pass(Scheduled& scheduled, bool timed) {
     }
     for (const GraphTexture texture : scheduled.written) {
         Node& node = nodes_[static_cast<std::size_t>(texture.id)];
-        node.texture = pool_->take(node.shape);
+        node.pool_texture = pool_->take(node.shape);
+        node.texture = node.pool_texture;
         report.bytes += node.shape.bytes();
     }
     std::vector<Attachment> attachments;
-    for (const GraphTexture texture : scheduled.written) attachments.emplace_back(this->texture(texture));
+    if (pass.raster) {
+        for (const GraphTexture texture : scheduled.written) attachments.emplace_back(this->texture(texture));
+    }
     const Framebuffer target =
         attachments.empty() ? Framebuffer() : Framebuffer(std::span<const Attachment>(attachments));
     if (pass.sets != nullptr) pass.sets->set(false);
@@ -287,8 +295,8 @@ void RenderGraph::draw_pass(Scheduled& scheduled, bool timed) {
     }
     report.drawn = true;
     if (pass.once) {
-        kept_.insert(pass.name);
-        report.why = "made once for the clip";
+        kept_.emplace(pass.name, report.ms);
+        report.why = "once for the clip";
     }
     check_no_gl_error("pass " + pass.name);
 }
@@ -332,13 +340,19 @@ void PassRun::bind(Program& program, const std::string& sampler, GLuint unit, Gr
     program.set(sampler + "_scale", shape.scale);
 }
 
+void PassRun::upload(const Region& part, std::span<const float> samples) const {
+    graph_->nodes_.at(static_cast<std::size_t>(written_.at(0).id)).pool_texture->upload(part, samples);
+}
+
 void PassRun::draw(Program& program) const {
+    if (pass_->needs != nullptr) return draw_if(*pass_->needs, program);
     program.set("target_region", Eigen::Vector4i(region_.x, region_.y, region_.width, region_.height));
-    if (pass_->needs != nullptr) {
-        pass_->needs->draw_if_met(graph_->triangle_);
-    } else {
-        graph_->triangle_.draw();
-    }
+    graph_->triangle_.draw();
+}
+
+void PassRun::draw_if(const GpuCondition& condition, Program& program) const {
+    program.set("target_region", Eigen::Vector4i(region_.x, region_.y, region_.width, region_.height));
+    condition.draw_if_met(graph_->triangle_);
 }
 
 }  // namespace matchlight

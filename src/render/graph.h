@@ -13,7 +13,7 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,17 +53,18 @@ class PassRun;
 
 struct GraphPass {
     std::string name;  // "bloom/down 2"
-    std::vector<PassInput> reads;
-    std::vector<GLenum> writes;           // formats of textures from the pool, all over one region
-    std::vector<GraphTexture> provides;   // imported textures that it fills by its own means
-    int scale = 1;                        // frame pixels along a side of a texel that it writes
-    std::optional<Region> region = {};    // in texels of `scale`, instead of what the inputs reach
-    bool beyond_frame = false;            // `region` holds as it is, even where it leaves the frame
-    GpuCondition* sets = nullptr;         // unmet when the pass begins; its shader may meet it
-    const GpuCondition* needs = nullptr;  // drawn only where this is met
-    bool once = false;                    // what it provides outlives the frame: drawn the first time only
-    double bytes = 0;                     // moved, where the textures it reads and writes do not tell
-    std::function<void(PassRun&)> draw;
+    std::vector<PassInput> reads = {};
+    std::vector<GLenum> writes = {};          // formats of textures from the pool, all over one region
+    std::vector<GraphTexture> provides = {};  // imported textures that it fills by its own means
+    int scale = 1;                            // frame pixels along a side of a texel that it writes
+    std::optional<Region> region = {};        // in texels of `scale`, instead of what the inputs reach
+    bool beyond_frame = false;                // `region` holds as it is, even where it leaves the frame
+    GpuCondition* sets = nullptr;             // unmet when the pass begins; its shader may meet it
+    const GpuCondition* needs = nullptr;      // drawn only where this is met
+    bool once = false;                        // what it provides outlives the frame: drawn the first time only
+    bool raster = true;                       // false: it writes by upload or compute shader, and gets no framebuffer
+    double bytes = 0;                         // moved, where the textures it reads and writes do not tell
+    std::function<void(PassRun&)> draw = {};
 };
 
 /// What became of a pass.
@@ -72,7 +73,8 @@ struct PassReport {
     bool drawn = false;
     std::string why;  // it was left out, or drawn
     Region frame_pixels;
-    double ms = 0;  // 0 unless timed
+    double ms = 0;       // 0 unless timed
+    bool raster = true;  // false: it writes by upload or compute shader, and gets no framebuffer
     double bytes = 0;
     double bandwidth_bounds = 0;  // ms as a multiple of moving the bytes once
 };
@@ -102,7 +104,8 @@ public:
     /// Of an output after run(), or of an imported texture.
     const Texture2D& texture(GraphTexture texture) const;
 
-    /// Draws. `timed` waits for the GPU before and after every pass, for reports(). Throws InputError where GL fails.
+    /// Draws what was not drawn yet: passes may be added, and run, after a first run of the frame. `timed` waits for
+    /// the GPU before and after every pass, for reports(). Throws InputError where GL fails.
     void run(bool timed = false);
     /// In the order of drawing, then those left out. Asks the GPU for its conditions: call it after run().
     std::vector<PassReport> reports() const;
@@ -125,7 +128,7 @@ private:
     std::vector<GraphTexture> outputs_;
     std::vector<PassReport> left_out_;
     std::vector<std::size_t> order_;
-    std::set<std::string, std::less<>> kept_;
+    std::map<std::string, double, std::less<>> kept_;  // name, ms it took
     std::unique_ptr<TexturePool> pool_;
     FullScreenTriangle triangle_;
     Texture2D zero_;
@@ -141,14 +144,18 @@ public:
     const Framebuffer& target() const { return *target_; }
     /// One of the textures that the pass writes, for compute shaders (bind_image).
     const Texture2D& written(std::size_t index = 0) const;
+    /// Fills a part of the first texture that the pass writes; `part` counts from region()'s first texel.
+    void upload(const Region& part, std::span<const float> samples) const;
     /// One that it reads.
     const Texture2D& texture(GraphTexture texture) const;
     const GraphShape& shape(GraphTexture texture) const;
 
     /// Binds an input; sets the sampler, `SAMPLER_region` and `SAMPLER_scale` (common/graph.glsl).
     void bind(Program& program, const std::string& sampler, GLuint unit, GraphTexture texture) const;
-    /// Sets `target_region` and draws one triangle over region(), where the pass's condition allows it.
+    /// Sets `target_region` and draws one triangle over region(), where the pass's condition (or the one given) allows
+    /// it.
     void draw(Program& program) const;
+    void draw_if(const GpuCondition& condition, Program& program) const;
 
 private:
     friend class RenderGraph;

@@ -168,6 +168,11 @@ void SurfaceRenderer::place_object(std::size_t index, const Eigen::Matrix4d& wor
     objects_.at(index).world_from_model = world_from_model;
 }
 
+bool SurfaceRenderer::any_reflects(ReflectionForm form) const {
+    return std::any_of(objects_.begin(), objects_.end(),
+                       [&](const Object& object) { return object.reflection == form; });
+}
+
 std::size_t SurfaceRenderer::object_count() const {
     return objects_.size();
 }

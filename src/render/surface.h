@@ -63,6 +63,7 @@ public:
     std::size_t add_object(const SurfaceObject& object);
     void place_object(std::size_t index, const Eigen::Matrix4d& world_from_model);
     std::size_t object_count() const;
+    bool any_reflects(ReflectionForm form) const;
 
     /// Box in world axes around an object, and around all of them (empty when there are none).
     Eigen::AlignedBox3d object_bounds_m(std::size_t index) const;

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "composite_noise.h"
 #include "gl/framebuffer.h"
 #include "gl_fixture.h"
-#include "render/composite_pass.h"
 #include "render/environment.h"
 #include "render/surface.h"
 #include "render_scene.h"
@@ -132,39 +132,6 @@ TEST_F(ObjectShadowTest, AConvexBodyAloneShadesItselfNowhere) {
     }
 }
 
-/// One region of noise through the composite pass, with a shadow or without.
-ImageF composite(ShaderLibrary& shaders, const ContactShadow* shadow) {
-    // A pinhole that looks straight down from 1 m.
-    ImageF nodes(18, 18, 2);
-    for (int j = 0; j < 18; ++j) {
-        for (int i = 0; i < 18; ++i) {
-            nodes.at(i, j, 0) = static_cast<float>(((i - 1) * 4 - 31.5) / 100);
-            nodes.at(i, j, 1) = static_cast<float>(((j - 1) * 4 - 31.5) / 100);
-        }
-    }
-    ImageF response(4081, 3, 1);
-    for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i <= 4080; ++i) response.at(i, c) = std::pow(static_cast<float>(i) / 4080, 2.2F);
-    }
-    CompositePass pass(shaders, nodes, 4, response);
-    ImageF plate(64, 64, 3);
-    float value = 0.1F;
-    for (float& sample : plate.samples()) {
-        value = std::fmod(value * 7.13F + 0.37F, 1.0F);
-        sample = value;
-    }
-    CompositeInput input;
-    input.plate_code = &plate;
-    input.region = {0, 0, 64, 64};
-    input.runs = {input.region};
-    input.shadow = shadow;
-    input.least_visible_loss = 0.002;
-    input.optics.camera_from_world.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
-    input.optics.camera_from_world.translation() = Eigen::Vector3d(0, 0, 1);
-    input.optics.frame_width = input.optics.frame_height = 64;
-    return pass.draw(input).code;
-}
-
 TEST_F(ObjectShadowTest, LeavingOutAContactShadowThatTakesNothingChangesNoBit) {
     ContactShadow nothing;
     for (ShadowMap* map : {&nothing.fine, &nothing.far}) {
@@ -172,13 +139,13 @@ TEST_F(ObjectShadowTest, LeavingOutAContactShadowThatTakesNothingChangesNoBit) {
         map->loss.clear(0, 0, 0, 0);
         map->rectangle_m = {Eigen::Vector2d(-1, -1), Eigen::Vector2d(1, 1)};
     }
-    const ImageF with = composite(shaders_, &nothing);
-    const ImageF without = composite(shaders_, nullptr);
+    const ImageF with = test::composite_noise(shaders_, {.shadow = &nothing});
+    const ImageF without = test::composite_noise(shaders_, {});
     EXPECT_TRUE(std::ranges::equal(with.samples(), without.samples()));
 
     // And a shadow that does take light is seen by this test.
     nothing.fine.loss.clear(0.25F, 0.25F, 0.25F, 0);
-    const ImageF shaded = composite(shaders_, &nothing);
+    const ImageF shaded = test::composite_noise(shaders_, {.shadow = &nothing});
     EXPECT_FALSE(std::ranges::equal(shaded.samples(), without.samples()));
     for (int x = 0; x < 64; x += 7) {
         const double code = without.at(x, 20, 1);

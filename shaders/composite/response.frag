@@ -1,0 +1,50 @@
+#version 450 core
+// Light becomes code values: what the objects left of the plate, and what bright light spills on it.
+//
+// picture = light + Σ strength · effect (the study's equation 9), in linear light, before the camera's response. Where
+// neither an object nor a visible amount of spilled light is, the plate's own code stays.
+
+#include "common/graph.glsl"
+#include "common/response.glsl"
+
+uniform sampler2D plate_code;    // RGB code values of the region
+uniform sampler2D light_after;   // plate-linear; a = the objects' coverage
+uniform sampler2D light_before;  // a = 1 where objects touched the pixel
+uniform sampler2D spill;         // plate-linear light to add, signed
+uniform ivec4 spill_region;
+uniform int spill_scale;
+uniform int spill_present;
+uniform float least_visible_code;  // spilled light that moves no code by this much is none
+
+layout(location = 0) out vec4 composited_code;    // a = 1 where the pixel was touched
+#ifdef WRITE_LAYERS
+layout(location = 1) out vec4 composited_linear;  // a = the objects' coverage
+#endif
+
+void main() {
+    ivec2 in_region = ivec2(gl_FragCoord.xy);
+    vec3 code = texelFetch(plate_code, in_region, 0).rgb;
+#ifdef PLATE_ALONE
+    vec4 after = vec4(linear_from_code(code), 0.0);
+    bool touched = false;
+#else
+    vec4 after = texelFetch(light_after, in_region, 0);
+    bool touched = texelFetch(light_before, in_region, 0).a > 0.0;
+#endif
+    vec3 linear = after.rgb;
+    bool lit = false;
+    if (spill_present != 0) {
+        vec2 position = (vec2(target_texel()) + 0.5) / float(spill_scale) - 0.5;
+        vec3 spilled = linear_or_zero(spill, spill_region, position).rgb;
+        lit = any(notEqual(spilled, vec3(0.0)));
+        if (lit) linear = max(linear + spilled, vec3(0.0));
+    }
+    vec3 shown = code_from_linear(linear);
+    // Codes beyond the response's ends (footage of limited range has them) are as bright as the ends.
+    vec3 moved = abs(shown - clamp(code, 0.0, 1.0));
+    touched = touched || (lit && any(greaterThanEqual(moved, vec3(least_visible_code))));
+    composited_code = touched ? vec4(shown, 1.0) : vec4(code, 0.0);
+#ifdef WRITE_LAYERS
+    composited_linear = vec4(touched ? linear : after.rgb, after.a);
+#endif
+}

@@ -1,0 +1,15 @@
+#version 450 core
+// One effect's light, brought to the resolution at which the effects are summed.
+#include "common/graph.glsl"
+
+uniform sampler2D source;
+uniform ivec4 source_region;
+uniform int source_scale;
+uniform int target_scale;
+
+layout(location = 0) out vec4 light;
+
+void main() {
+    vec2 position = (vec2(target_texel()) + 0.5) * float(target_scale) / float(source_scale) - 0.5;
+    light = vec4(linear_or_zero(source, source_region, position).rgb, 0.0);
+}

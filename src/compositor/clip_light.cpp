@@ -1,0 +1,133 @@
+// One pass for each map, left out where the scene has nothing that looks at it.
+#include "compositor/clip_light.h"
+
+#include <fmt/format.h>
+
+#include "lighting/probe.h"
+
+namespace matchlight {
+
+namespace {
+
+/// Without a probe objects are lit evenly from everywhere; half of the light that makes code 1 keeps white paper
+/// (albedo 0.8) well below clipping.
+constexpr float even_light = 0.5f;
+
+Probe even_probe() {
+    Probe probe;
+    probe.latlong = ImageF(16, 8, 3, even_light);
+    return probe;
+}
+
+Probe probe_of(const Scene& scene, Warnings& warnings) {
+    if (!scene.probe) {
+        warnings.add(scene.path.string() + ": no light probe: objects are lit evenly from everywhere");
+        return even_probe();
+    }
+    return placed(load_probe(scene.probe->path, scene.probe->mapping, warnings), scene.probe->placement);
+}
+
+}  // namespace
+
+ClipLight::ClipLight(ShaderLibrary& shaders, SurfaceRenderer& surfaces, const Scene& scene, const Quality& quality,
+                     Warnings& warnings)
+    : shaders_(shaders),
+      surfaces_(surfaces),
+      surface_(scene.surface),
+      quality_(quality),
+      probe_(probe_of(scene, warnings)) {
+    if (scene.probe) probe_place_m_ = scene.probe->place_m;
+    environment_ = std::make_unique<Environment>(
+        shaders, probe_, EnvironmentSettings{.face_size = quality.mirror_face_px, .maps_at_once = false});
+    if (environment_->clamped_values() > 0) {
+        warnings.add(fmt::format("{}: {} values beyond the range of half floats are taken as 65504 in reflections",
+                                 scene.probe ? scene.probe->path.string() : "probe", environment_->clamped_values()));
+    }
+    describe_surface();
+}
+
+ShadowCasters ClipLight::casters() {
+    return {surfaces_.shadow_caster_bounds_m(), [this](Program& program) { surfaces_.draw_shadow_casters(program); }};
+}
+
+void ClipLight::describe_surface() {
+    // The probe shows the surface from its own place; without that place the surface is taken as far away.
+    const bool is_near = surface_.present && probe_place_m_ && probe_place_m_->z() > surface_.z_m;
+    const Eigen::Vector3d place_m = is_near ? *probe_place_m_ : Eigen::Vector3d::Zero();
+    shading_.bind = [this, is_near, place_m](Program& program) {
+        constexpr GLuint unit = SurfaceShading::first_free_unit;
+        program.set("surface_z_m", surface_.z_m);
+        program.set("surface_is_near", is_near);
+        program.set("probe_place_m", Eigen::Vector3f(place_m.cast<float>()));
+        program.set("surface_shadow_present", contact_shadow_.has_value());
+        if (contact_shadow_) {
+            contact_shadow_->bind(program, unit);
+        } else {
+            program.bind_texture("shadow_fine", unit, no_shadow_);
+            program.bind_texture("shadow_far", unit + 1, no_shadow_);
+        }
+    };
+}
+
+std::vector<PassInput> ClipLight::add_passes(RenderGraph& graph) {
+    std::vector<PassInput> inputs;
+    add_environment(graph, inputs);
+    add_shadows(graph, inputs);
+    return inputs;
+}
+
+void ClipLight::add_environment(RenderGraph& graph, std::vector<PassInput>& inputs) {
+    const auto add = [&](const char* name, ReflectionForm form, const char* nobody,
+                         void (Environment::*make)(ShaderLibrary&)) {
+        if (!surfaces_.any_reflects(form)) return graph.leave_out(name, nobody);
+        const GraphTexture map = graph.import(nullptr, {.format = GL_NONE, .region = {}});
+        graph.add_pass({.name = name, .writes = {}, .provides = {map}, .once = true, .draw = [this, make](PassRun&) {
+                            (environment_.get()->*make)(shaders_);
+                        }});
+        inputs.push_back({map});
+    };
+    add("light/reflection cube", ReflectionForm::cube, "no object reflects by it", &Environment::make_cube);
+    add("light/sphere map", ReflectionForm::sphere_map, "no object reflects by it", &Environment::make_sphere_map);
+}
+
+void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) {
+    const bool anything_casts = !surfaces_.shadow_caster_bounds_m().isEmpty();
+    const char* const contact = "shadow/contact";
+    const char* const between = "shadow/between objects";
+    std::vector<PassInput> contact_input;
+    if (!surface_.present || !surface_.shadow) {
+        graph.leave_out(contact, "the scene's surface catches no shadow");
+    } else if (!anything_casts) {
+        graph.leave_out(contact, "no object casts");
+    } else {
+        const GraphTexture map = graph.import(nullptr, {.format = GL_NONE, .region = {}});
+        graph.add_pass({.name = contact, .writes = {}, .provides = {map}, .once = true, .draw = [this](PassRun&) {
+                            contact_shadow_ = make_contact_shadow(
+                                shaders_, casters(),
+                                make_surface_light(probe_, surface_.z_m, quality_.shadow.directions), quality_.shadow);
+                        }});
+        contact_input.push_back({map});
+        inputs.push_back({map});
+    }
+    if (quality_.object_shadow.directions == 0) return graph.leave_out(between, "this quality level has none");
+    if (!anything_casts) return graph.leave_out(between, "no object casts");
+    const GraphTexture baked = graph.import(nullptr, {.format = GL_NONE, .region = {}});
+    graph.add_pass(
+        {.name = between, .reads = contact_input, .provides = {baked}, .once = true, .draw = [this](PassRun&) {
+             bake_object_shadow();
+         }});
+    inputs.push_back({baked});
+}
+
+void ClipLight::bake_object_shadow() {
+    const auto samples = sample_directions(probe_, quality_.object_shadow.directions, -1, false);
+    if (samples.empty()) return;
+    const ObjectShadow object_shadow(shaders_, casters(), samples, quality_.object_shadow);
+    Program& bake = shaders_.compute("effects/object_shadow/bake.comp");
+    bake.use();
+    object_shadow.bind(bake, SurfaceShading::first_free_unit + 2);
+    shading_.bind(bake);
+    surfaces_.bake_visibility(bake);
+}
+
+}  // namespace matchlight

@@ -1,0 +1,51 @@
+// The light that a whole clip shares: static objects under a static probe, so its maps are made once.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "compositor/quality.h"
+#include "core/warnings.h"
+#include "render/effects/contact_shadow.h"
+#include "render/environment.h"
+#include "render/graph.h"
+#include "render/surface.h"
+#include "scene/scene_file.h"
+
+namespace matchlight {
+
+class ClipLight {
+public:
+    /// `surfaces` holds the scene's objects already, and outlives this. Throws InputError where the probe cannot be
+    /// read.
+    ClipLight(ShaderLibrary& shaders, SurfaceRenderer& surfaces, const Scene& scene, const Quality& quality,
+              Warnings& warnings);
+
+    /// The passes that make what the scene needs, drawn once over all frames; returns what drawing surfaces reads.
+    std::vector<PassInput> add_passes(RenderGraph& graph);
+
+    const Environment& environment() const { return *environment_; }
+    const std::optional<ContactShadow>& contact_shadow() const { return contact_shadow_; }
+    const SurfaceShading& shading() const { return shading_; }
+
+private:
+    ShadowCasters casters();
+    void add_environment(RenderGraph& graph, std::vector<PassInput>& inputs);
+    void add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs);
+    void bake_object_shadow();
+    void describe_surface();
+
+    ShaderLibrary& shaders_;
+    SurfaceRenderer& surfaces_;
+    SurfaceSettings surface_;
+    std::optional<Eigen::Vector3d> probe_place_m_;
+    Quality quality_;
+    Probe probe_;
+    std::unique_ptr<Environment> environment_;
+    std::optional<ContactShadow> contact_shadow_;
+    SurfaceShading shading_;
+    Texture2D no_shadow_{TextureShape{.format = GL_RGBA32F, .width = 2, .height = 2}};
+};
+
+}  // namespace matchlight

@@ -1,0 +1,246 @@
+// Adds passes, runs the graph, reads back.
+#include "compositor/frame_passes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "render/effects/spill.h"
+
+namespace matchlight {
+
+namespace {
+
+/// Code values over `region`, decoded in the runs alone.
+ImageF code_of_runs(const PlateFrame& plate, const Region& region, const std::vector<Region>& runs) {
+    ImageF code(region.width, region.height, 3);
+    for (const Region& run : runs) {
+        const ImageF part = plate.rgb_code(run);
+        for (int y = 0; y < run.height; ++y) {
+            std::copy_n(part.pixel(0, y), 3 * run.width, code.pixel(run.x - region.x, run.y + y - region.y));
+        }
+    }
+    return code;
+}
+
+ImageF channels_of(const ImageF& image, int first, int count) {
+    ImageF part(image.width(), image.height(), count);
+    for (int y = 0; y < image.height(); ++y) {
+        for (int x = 0; x < image.width(); ++x) {
+            for (int c = 0; c < count; ++c) part.at(x, y, c) = image.at(x, y, first + c);
+        }
+    }
+    return part;
+}
+
+/// Takes over what was read back (RGB, a = 1 where touched), for a result that covers `region` or more.
+void take_code(CompositedFrame& result, const ImageF& read, const Region& region) {
+    const int left = region.x - result.reach.x, top = region.y - result.reach.y;
+    parallel_for(region.height, [&](int y) {
+        for (int x = 0; x < region.width; ++x) {
+            const float* from = read.pixel(x, y);
+            if (!(from[3] > 0)) continue;
+            std::copy_n(from, 3, result.code.pixel(left + x, top + y));
+            result.touched.at(left + x, top + y) = 255;
+        }
+    });
+}
+
+/// The result over a larger region: the plate's codes and untouched where it was not before.
+void widen(CompositedFrame& result, const Region& region) {
+    ImageF code(region.width, region.height, 3);
+    Image8 touched(region.width, region.height, 1);
+    const int left = result.reach.x - region.x, top = result.reach.y - region.y;
+    for (int y = 0; y < result.reach.height; ++y) {
+        std::copy_n(result.code.pixel(0, y), 3 * result.reach.width, code.pixel(left, top + y));
+        std::copy_n(result.touched.pixel(0, y), result.reach.width, touched.pixel(left, top + y));
+    }
+    result.reach = region;
+    result.code = std::move(code);
+    result.touched = std::move(touched);
+}
+
+}  // namespace
+
+double half_code(const PlateFormat& format) {
+    return 0.5 / ((1 << format.bit_depth) - 1);
+}
+
+CompositeInput FramePasses::composite_input(const ImageF& plate_code, const Region& region,
+                                            const std::vector<Region>& runs) const {
+    CompositeInput input;
+    input.plate_code = &plate_code;
+    input.region = region;
+    input.runs = runs;
+    input.layer = layer_drawn_ ? &layer_ : nullptr;
+    input.layer_drawn = layer_drawn_;
+    const std::optional<ContactShadow>& shadow = resources_.light.contact_shadow();
+    input.shadow = shadow ? &*shadow : nullptr;
+    input.optics = plan_.optics;
+    return input;
+}
+
+GraphTexture FramePasses::add_surface(bool layers) {
+    RenderGraph& graph = resources_.graph;
+    const std::vector<PassInput> light = resources_.light.add_passes(graph);
+    const Eigen::AlignedBox2d& bounds = plan_.object_bounds;
+    if (bounds.isEmpty()) {
+        graph.leave_out("surface", "no object is in view");
+        return {};
+    }
+    // Two layer pixels around what is in view, so that footprints at its edge find what they look for.
+    constexpr int margin = 2;
+    // What llvmpipe and GPUs alike hold as a target; wider views are drawn coarser.
+    const double limit = std::min(8192, resources_.context.info().max_texture_size) - 2 * margin - 1;
+    const Camera& camera = resources_.camera;
+    const Eigen::Vector2d span = bounds.sizes();
+    double density = resources_.quality.supersampling;
+    density = std::min({density, limit / (span.x() * camera.fx), limit / (span.y() * camera.fy)});
+    layer_.fx = camera.fx * density;
+    layer_.fy = camera.fy * density;
+    layer_.cx = margin - std::floor(bounds.min().x() * layer_.fx);
+    layer_.cy = margin - std::floor(bounds.min().y() * layer_.fy);
+    SurfaceView view;
+    view.width = static_cast<int>(std::ceil(span.x() * layer_.fx)) + 2 * margin + 1;
+    view.height = static_cast<int>(std::ceil(span.y() * layer_.fy)) + 2 * margin + 1;
+    view.samples = resources_.quality.samples;
+    const PinholeView pinhole{.fx = layer_.fx,
+                              .fy = layer_.fy,
+                              .cx = layer_.cx,
+                              .cy = layer_.cy,
+                              .width = static_cast<double>(view.width),
+                              .height = static_cast<double>(view.height),
+                              .near_m = near_plane_m};
+    const RigidTransform& camera_from_world = plan_.optics.camera_from_world;
+    view.clip_from_world = clip_from_camera(pinhole) * camera_from_world.matrix();
+    view.eye_world_m = camera_from_world.inverse().translation();
+    // Colour (half floats) and depth are written once a sample.
+    constexpr double bytes_a_sample = 8 + 4;
+    const GraphTexture drawn =
+        graph.import(nullptr, {.format = GL_NONE, .region = plate_region(bounds, camera, margin)});
+    graph.add_pass({.name = "surface",
+                    .reads = light,
+                    .provides = {drawn},
+                    .bytes = bytes_a_sample * view.width * view.height * view.samples,
+                    .draw = [this, view, layers](PassRun&) {
+                        const ClipLight& lit = resources_.light;
+                        layer_.picture = resources_.surfaces.draw(lit.environment(), view, lit.shading());
+                        if (!layers) return;
+                        const SurfacePicture geometry = resources_.surfaces.draw_layers(view);
+                        layer_.picture.depth_m = geometry.depth_m;
+                        layer_.picture.normal = geometry.normal;
+                        layer_.picture.object_id = geometry.object_id;
+                    }});
+    return drawn;
+}
+
+void FramePasses::composite(CompositedFrame& result, const CompositorOptions& options) {
+    resources_.graph.begin_frame(resources_.camera.width, resources_.camera.height);
+    layer_drawn_ = add_surface(options.layers);
+    result.reach = plan_.reach.bounds;
+    if (options.layers || resources_.effects.any()) {
+        composite_light(result, options.layers);
+    } else {
+        resources_.effects.explain(resources_.graph);
+        composite_code(result);
+    }
+}
+
+void FramePasses::composite_code(CompositedFrame& result) {
+    RenderGraph& graph = resources_.graph;
+    const Region& region = result.reach;
+    const std::vector<Region>& runs = plan_.reach.runs;
+    const ImageF plate_code = code_of_runs(result.plate, region, runs);
+    CompositeInput input = composite_input(plate_code, region, runs);
+    input.least_visible_loss = half_code(result.plate.format());
+    const CompositePicture picture = resources_.composite.add(graph, input);
+    graph.output(picture.code);
+    graph.run(resources_.timed);
+    result.code = ImageF(region.width, region.height, 3);
+    result.touched = Image8(region.width, region.height, 1);
+    take_code(result, read_runs(graph.texture(picture.code), region, runs, 4), region);
+}
+
+void FramePasses::composite_light(CompositedFrame& result, bool layers) {
+    RenderGraph& graph = resources_.graph;
+    std::vector<Region> runs = plan_.reach.runs;
+    if (layers) {
+        // Layers are pictures: whole, and as far as the effects spill.
+        if (resources_.effects.any()) result.reach = {0, 0, resources_.camera.width, resources_.camera.height};
+        runs = {result.reach};
+    }
+    const Region region = result.reach;
+    const ImageF plate_code = code_of_runs(result.plate, region, runs);
+    CompositeInput input = composite_input(plate_code, region, runs);
+    input.least_visible_loss = half_code(result.plate.format());
+    input.light = true;
+    input.layers = layers;
+    const CompositePicture picture = resources_.composite.add(graph, input);
+    const GraphTexture spill = resources_.effects.add(graph, picture.light);
+    const ResponsePicture shown =
+        resources_.composite.add_response(graph, {.plate = picture.plate,
+                                                  .region = region,
+                                                  .runs = runs,
+                                                  .light = picture.light,
+                                                  .spill = spill,
+                                                  .least_visible_code = half_code(result.plate.format()),
+                                                  .layers = layers});
+    graph.output(shown.code);
+    GraphTexture tiles;
+    if (!layers) {
+        tiles = add_spill_tiles(graph, resources_.shaders, spill, Reach::tile_px);
+        graph.output(spill);
+        graph.output(tiles);
+    }
+    for (const GraphTexture layer :
+         {shown.linear, picture.shadow, picture.virtual_rgba, picture.geometry, picture.object_id}) {
+        graph.output(layer);
+    }
+    graph.run(resources_.timed);
+
+    result.code = ImageF(region.width, region.height, 3);
+    result.touched = Image8(region.width, region.height, 1);
+    take_code(result, read_runs(graph.texture(shown.code), region, runs, 4), region);
+    if (tiles) composite_surroundings(result, spill, tiles);
+    if (!layers) return;
+    const auto read = [&](GraphTexture texture, int channels) {
+        return read_runs(graph.texture(texture), region, runs, channels);
+    };
+    const ImageF linear = read(shown.linear, 4), geometry = read(picture.geometry, 4);
+    result.layers = FrameLayers{.region = region,
+                                .beauty = channels_of(linear, 0, 3),
+                                .alpha = channels_of(linear, 3, 1),
+                                .depth = channels_of(geometry, 3, 1),
+                                .normal = channels_of(geometry, 0, 3),
+                                .shadow = read(picture.shadow, 3),
+                                .object_id = read(picture.object_id, 1),
+                                .virtual_rgba = read(picture.virtual_rgba, 4)};
+}
+
+void FramePasses::composite_surroundings(CompositedFrame& result, GraphTexture spill, GraphTexture tiles) {
+    RenderGraph& graph = resources_.graph;
+    const Region tile_region = graph.shape(tiles).region;
+    const ImageF most = read_runs(graph.texture(tiles), tile_region, {tile_region}, 1);
+    const double least_light = resources_.composite.least_visible_light(result.plate.format().bit_depth);
+    const Reach around = tiles_of(resources_.camera, [&](int column, int row) {
+        if (!tile_region.contains(column, row) || plan_.reach.has_tile(column, row)) return false;
+        return most.at(column - tile_region.x, row - tile_region.y) >= least_light;
+    });
+    if (around.runs.empty()) {
+        graph.leave_out("response around", "no visible light spills beyond what objects touch");
+        return;
+    }
+    const ImageF plate_code = code_of_runs(result.plate, around.bounds, around.runs);
+    const ResponsePicture shown =
+        resources_.composite.add_response(graph, {.plate_code = &plate_code,
+                                                  .region = around.bounds,
+                                                  .runs = around.runs,
+                                                  .spill = spill,
+                                                  .least_visible_code = half_code(result.plate.format())});
+    graph.output(shown.code);
+    graph.run(resources_.timed);
+    widen(result, result.reach.united(around.bounds));
+    take_code(result, read_runs(graph.texture(shown.code), around.bounds, around.runs, 4), around.bounds);
+}
+
+}  // namespace matchlight

@@ -1,0 +1,68 @@
+// The passes of one frame: from what virtual things can reach to pictures that are read back.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "compositor/camera_effects.h"
+#include "compositor/clip_light.h"
+#include "compositor/compositor.h"
+#include "compositor/quality.h"
+#include "compositor/reach.h"
+#include "render/composite_pass.h"
+#include "render/graph.h"
+#include "render/surface.h"
+
+namespace matchlight {
+
+/// What is known of a frame before anything is drawn.
+struct FramePlan {
+    FrameOptics optics;
+    Eigen::AlignedBox2d object_bounds;  // of all objects in view, normalised coordinates
+    Reach reach;
+};
+
+/// What frames share, and outlives them.
+struct FrameResources {
+    GlContext& context;
+    ShaderLibrary& shaders;
+    RenderGraph& graph;
+    SurfaceRenderer& surfaces;
+    ClipLight& light;
+    CompositePass& composite;
+    CameraEffects& effects;
+    const Camera& camera;
+    const Quality& quality;
+    bool timed = false;  // see RenderGraph::run
+};
+
+class FramePasses {
+public:
+    FramePasses(const FrameResources& resources, const FramePlan& plan) : resources_(resources), plan_(plan) {}
+
+    /// Fills everything of `result` but its plate.
+    void composite(CompositedFrame& result, const CompositorOptions& options);
+
+private:
+    GraphTexture add_surface(bool layers);
+    /// Without effects or layers: code values in one pass.
+    void composite_code(CompositedFrame& result);
+    /// Light first, then what spills, then code values: with effects or layers.
+    void composite_light(CompositedFrame& result, bool layers);
+    /// Around what objects touch: where the spilled light can be seen.
+    void composite_surroundings(CompositedFrame& result, GraphTexture spill, GraphTexture tiles);
+    CompositeInput composite_input(const ImageF& plate_code, const Region& region,
+                                   const std::vector<Region>& runs) const;
+
+    FrameResources resources_;
+    const FramePlan& plan_;
+    VirtualLayer layer_;
+    GraphTexture layer_drawn_;
+};
+
+/// Half a code value of the footage's depth, as a share of the brightest code. Response curves are steepest in relative
+/// terms with exponent 1, so a shadow that takes this share of the light moves no code by more than a half.
+double half_code(const PlateFormat& format);
+
+}  // namespace matchlight
