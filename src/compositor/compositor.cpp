@@ -237,6 +237,14 @@ CompositedFrame Compositor::composite(PlateFrame plate) {
     return result;
 }
 
+void Compositor::set_effects(const EffectSettings& effects) {
+    impl_->effects.settings = effects;
+}
+
+void Compositor::set_timed(bool timed) {
+    impl_->options.timed = timed;
+}
+
 std::vector<PassReport> Compositor::reports() const {
     impl_->context.make_current();
     return impl_->graph.reports();

@@ -65,6 +65,11 @@ public:
     /// it came.
     CompositedFrame composite(PlateFrame plate);
 
+    /// Other effects from the next frame on, at the cost of none of what is loaded: for the preview's switches.
+    void set_effects(const EffectSettings& effects);
+    /// As CompositorOptions::timed, from the next frame on.
+    void set_timed(bool timed);
+
     /// What became of each pass of the last frame.
     std::vector<PassReport> reports() const;
 
