@@ -16,7 +16,7 @@ packages=(
     # tracking
     libapriltag-dev libceres-dev
     # models and drawing; Mesa's software rasteriser serves where there is no GPU
-    libassimp-dev libegl-dev libegl1 libegl-mesa0 libepoxy-dev libgl1-mesa-dri libglfw3-dev libglm-dev
+    libassimp-dev libegl-dev libegl1 libegl-mesa0 libepoxy-dev libfftw3-dev libgl1-mesa-dri libglfw3-dev libglm-dev
 )
 if [ "${1:-}" = "--development" ]; then
     packages+=(ccache clang-format clang-tidy)
