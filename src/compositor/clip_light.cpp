@@ -79,7 +79,7 @@ std::vector<PassInput> ClipLight::add_passes(RenderGraph& graph) {
 void ClipLight::add_environment(RenderGraph& graph, std::vector<PassInput>& inputs) {
     const auto add = [&](const char* name, ReflectionForm form, const char* nobody,
                          void (Environment::*make)(ShaderLibrary&)) {
-        if (!surfaces_.any_reflects(form)) return graph.leave_out(name, nobody);
+        if (!surfaces_.any_reflects(form) && graph.leaves_out()) return graph.leave_out(name, nobody);
         const GraphTexture map = graph.import(nullptr, {.format = GL_NONE, .region = {}});
         graph.add_pass({.name = name, .writes = {}, .provides = {map}, .once = true, .draw = [this, make](PassRun&) {
                             (environment_.get()->*make)(shaders_);
@@ -97,7 +97,7 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
     std::vector<PassInput> contact_input;
     if (!surface_.present || !surface_.shadow) {
         graph.leave_out(contact, "the scene's surface catches no shadow");
-    } else if (!anything_casts) {
+    } else if (!anything_casts && graph.leaves_out()) {
         graph.leave_out(contact, "no object casts");
     } else {
         const GraphTexture map = graph.import(nullptr, {.format = GL_NONE, .region = {}});
@@ -110,7 +110,7 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
         inputs.push_back({map});
     }
     if (quality_.object_shadow.directions == 0) return graph.leave_out(between, "this quality level has none");
-    if (!anything_casts) return graph.leave_out(between, "no object casts");
+    if (!anything_casts && graph.leaves_out()) return graph.leave_out(between, "no object casts");
     const GraphTexture baked = graph.import(nullptr, {.format = GL_NONE, .region = {}});
     graph.add_pass(
         {.name = between, .reads = contact_input, .provides = {baked}, .once = true, .draw = [this](PassRun&) {
@@ -121,7 +121,7 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
 
 void ClipLight::bake_object_shadow() {
     const auto samples = sample_directions(probe_, quality_.object_shadow.directions, -1, false);
-    if (samples.empty()) return;
+    if (samples.empty() || surfaces_.shadow_caster_bounds_m().isEmpty()) return;
     const ObjectShadow object_shadow(shaders_, casters(), samples, quality_.object_shadow);
     Program& bake = shaders_.compute("effects/object_shadow/bake.comp");
     bake.use();

@@ -105,6 +105,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
       effects(shaders, scene.effects) {
     place_objects(scene, warnings);
     light.emplace(shaders, surfaces, scene, quality, warnings);
+    graph.set_leaves_out(options.leave_out);
     graph.begin_frame(solve.camera.width, solve.camera.height);
     for (const PassInput& input : light->add_passes(graph)) graph.output(input.texture);
     graph.run(options.timed);
@@ -212,7 +213,11 @@ CompositedFrame Compositor::composite(PlateFrame plate) {
     const RigidTransform& camera_from_world = *solved->camera_from_world;
     Eigen::AlignedBox2d object_bounds;
     impl.context.make_current();
-    const Reach reach = impl.reach_of(camera_from_world, format, object_bounds);
+    Reach reach = impl.reach_of(camera_from_world, format, object_bounds);
+    if (!impl.options.leave_out) {
+        reach = tiles_of(camera, [](int, int) { return true; });
+        if (object_bounds.isEmpty()) object_bounds = impl.lens_map.normalized_bounds;
+    }
     if (reach.bounds.empty()) {
         impl.graph.begin_frame(camera.width, camera.height);
         impl.graph.leave_out("surface", "no object is in view, and none of its shadow");

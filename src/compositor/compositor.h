@@ -48,6 +48,7 @@ struct CompositedFrame {
 struct CompositorOptions {
     QualityLevel quality = QualityLevel::final_;
     bool layers = false;  // also return FrameLayers
+    bool leave_out = true;  // false: draw what could be left out, too; the result is the same, bit for bit
     bool timed = false;   // time every pass, for reports(); waits for the GPU at each
 };
 

@@ -224,7 +224,7 @@ void FramePasses::composite_surroundings(CompositedFrame& result, GraphTexture s
     const double least_light = resources_.composite.least_visible_light(result.plate.format().bit_depth);
     const Reach around = tiles_of(resources_.camera, [&](int column, int row) {
         if (!tile_region.contains(column, row) || plan_.reach.has_tile(column, row)) return false;
-        return most.at(column - tile_region.x, row - tile_region.y) >= least_light;
+        return !graph.leaves_out() || most.at(column - tile_region.x, row - tile_region.y) >= least_light;
     });
     if (around.runs.empty()) {
         graph.leave_out("response around", "no visible light spills beyond what objects touch");

@@ -270,7 +270,7 @@ void RenderGraph::draw_pass(Scheduled& scheduled, bool timed) {
     }
     const Framebuffer target =
         attachments.empty() ? Framebuffer() : Framebuffer(std::span<const Attachment>(attachments));
-    if (pass.sets != nullptr) pass.sets->set(false);
+    if (pass.sets != nullptr) pass.sets->set(!leaves_out_);
 
     PassRun run;
     run.graph_ = this;

@@ -93,6 +93,10 @@ public:
     std::vector<GraphTexture> add_pass(GraphPass pass);
     /// Notes a pass that this frame is known not to need.
     void leave_out(std::string name, std::string why);
+    /// False: conditions on the GPU are met from the start, and whoever adds passes should add those, too, that could
+    /// be left out: to measure what that saves, and to prove that it changes nothing.
+    void set_leaves_out(bool leaves_out) { leaves_out_ = leaves_out; }
+    bool leaves_out() const { return leaves_out_; }
     /// What is wanted of the frame: stays until the next begin_frame().
     void output(GraphTexture texture);
 
@@ -122,6 +126,7 @@ private:
     std::vector<std::size_t> schedule() const;
     void draw_pass(Scheduled& scheduled, bool timed);
 
+    bool leaves_out_ = true;
     int width_ = 0, height_ = 0;
     std::vector<Node> nodes_;
     std::vector<Scheduled> passes_;
