@@ -250,6 +250,13 @@ void Compositor::set_timed(bool timed) {
     impl_->options.timed = timed;
 }
 
+ShaderReload Compositor::reload_shaders() {
+    impl_->context.make_current();
+    ShaderReload reload = impl_->shaders.reload_changed();
+    if (!reload.reloaded.empty()) impl_->graph.forget_kept();
+    return reload;
+}
+
 std::vector<PassReport> Compositor::reports() const {
     impl_->context.make_current();
     return impl_->graph.reports();

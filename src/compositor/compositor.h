@@ -9,6 +9,7 @@
 #include "core/image.h"
 #include "core/warnings.h"
 #include "gl/context.h"
+#include "gl/shader_library.h"
 #include "media/plate.h"
 #include "render/graph.h"
 #include "scene/scene_file.h"
@@ -70,6 +71,9 @@ public:
     void set_effects(const EffectSettings& effects);
     /// As CompositorOptions::timed, from the next frame on.
     void set_timed(bool timed);
+    /// Makes programs anew whose shader files changed; the next frame is drawn with them, and with new maps of what the
+    /// clip shares. Where one does not compile, the last good one stays.
+    ShaderReload reload_shaders();
 
     /// What became of each pass of the last frame.
     std::vector<PassReport> reports() const;

@@ -6,20 +6,15 @@
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
-
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
 #include "core/error.h"
 #include "gl/timer.h"
+#include "gl/window_context.h"
 
 namespace matchlight {
 
 namespace {
-
-constexpr int required_major = 4;
-constexpr int required_minor = 5;
 
 thread_local GlContext* current_context = nullptr;
 
@@ -40,12 +35,6 @@ bool names_a_software_rasteriser(const std::string& renderer) {
     }
     return false;
 }
-
-#ifdef NDEBUG
-constexpr bool want_debug_context = false;
-#else
-constexpr bool want_debug_context = true;
-#endif
 
 class EglContext final : public GlContext {
 public:
@@ -100,13 +89,13 @@ std::unique_ptr<EglContext> EglContext::create(EGLDisplay display, const std::st
         return nullptr;
     }
     const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                 required_major,
+                                 required_gl_major,
                                  EGL_CONTEXT_MINOR_VERSION,
-                                 required_minor,
+                                 required_gl_minor,
                                  EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                  EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                  EGL_CONTEXT_OPENGL_DEBUG,
-                                 want_debug_context ? EGL_TRUE : EGL_FALSE,
+                                 want_gl_debug_context ? EGL_TRUE : EGL_FALSE,
                                  EGL_NONE};
     const EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
     if (context == EGL_NO_CONTEXT) {
@@ -155,52 +144,6 @@ std::unique_ptr<GlContext> create_on_device(std::string& failure) {
     return nullptr;
 }
 
-class HiddenWindowContext final : public GlContext {
-public:
-    static std::unique_ptr<HiddenWindowContext> create(std::string& failure) {
-        if (!glfwInit()) {
-            failure = "no display";
-            return nullptr;
-        }
-        glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
-        glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, required_major);
-        glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, required_minor);
-        glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-        glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, want_debug_context ? GLFW_TRUE : GLFW_FALSE);
-        GLFWwindow* window = glfwCreateWindow(16, 16, "matchlight", nullptr, nullptr);
-        if (!window) {
-            const char* description = nullptr;
-            glfwGetError(&description);
-            failure = description ? description : "no window";
-            glfwTerminate();
-            return nullptr;
-        }
-        std::unique_ptr<HiddenWindowContext> result(new HiddenWindowContext(window));
-        try {
-            result->make_current();
-            result->set_up("GLFW hidden window");
-        } catch (const InputError& error) {
-            failure = error.what();
-            return nullptr;
-        }
-        return result;
-    }
-    ~HiddenWindowContext() override {
-        note_destroyed();
-        glfwDestroyWindow(window_);
-        glfwTerminate();
-    }
-    void make_current() override {
-        glfwMakeContextCurrent(window_);
-        note_current();
-    }
-
-private:
-    explicit HiddenWindowContext(GLFWwindow* window) : window_(window) {}
-
-    GLFWwindow* window_;
-};
-
 void APIENTRY collect_error(GLenum source, GLenum type, GLuint, GLenum severity, GLsizei length, const GLchar* message,
                             const void* user) {
     if (source == GL_DEBUG_SOURCE_SHADER_COMPILER) return;  // compiling and linking throw by themselves
@@ -229,7 +172,7 @@ void GlContext::set_up(const std::string& platform) {
     info_.version = gl_string(GL_VERSION);
     info_.major = gl_integer(GL_MAJOR_VERSION);
     info_.minor = gl_integer(GL_MINOR_VERSION);
-    if (info_.major < required_major || (info_.major == required_major && info_.minor < required_minor)) {
+    if (info_.major < required_gl_major || (info_.major == required_gl_major && info_.minor < required_gl_minor)) {
         throw InputError({}, fmt::format("OpenGL {} ({})", info_.version, info_.renderer));
     }
     info_.shading_language = gl_string(GL_SHADING_LANGUAGE_VERSION);
@@ -275,10 +218,10 @@ std::unique_ptr<GlContext> create_offscreen_context() {
         if (auto context = create_surfaceless(surfaceless)) return context;
         if (auto context = create_on_device(device)) return context;
     }
-    if (auto context = HiddenWindowContext::create(window)) return context;
+    if (auto context = WindowContext::create("matchlight", "GLFW hidden window", window)) return context;
     throw InputError({},
                      fmt::format("no OpenGL {}.{} core context: EGL surfaceless: {}; EGL device: {}; hidden window: {}",
-                                 required_major, required_minor, surfaceless, device, window),
+                                 required_gl_major, required_gl_minor, surfaceless, device, window),
                      "install a driver (Debian: libgl1-mesa-dri libegl1) or run on a machine that has one");
 }
 

@@ -1,4 +1,4 @@
-// OpenGL 4.5 core contexts that need no window: EGL surfaceless, an EGL device, or a hidden GLFW window.
+// OpenGL 4.5 core contexts; off screen from EGL surfaceless, an EGL device, or a hidden GLFW window.
 //
 // Conventions that every context here is set up with:
 // - row 0 of a texture or framebuffer is the top of the picture (clip control, upper left), as in core/image.h: nothing
@@ -15,9 +15,17 @@
 
 namespace matchlight {
 
+inline constexpr int required_gl_major = 4;
+inline constexpr int required_gl_minor = 5;
+#ifdef NDEBUG
+inline constexpr bool want_gl_debug_context = false;
+#else
+inline constexpr bool want_gl_debug_context = true;
+#endif
+
 /// What the driver says of itself.
 struct GlInfo {
-    std::string platform;  // "EGL surfaceless", "EGL device" or "GLFW hidden window"
+    std::string platform;  // "EGL surfaceless", "EGL device", "GLFW hidden window" or "GLFW window"
     std::string vendor, renderer, version, shading_language;
     int major = 0, minor = 0;
     bool is_software = false;  // a rasteriser on the CPU, by the renderer's name

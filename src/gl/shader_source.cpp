@@ -14,6 +14,13 @@ namespace matchlight {
 
 namespace {
 
+// Mesa forgets the source number of undeclared names: lines carry it too. No shader has as many.
+constexpr std::size_t lines_a_file = 100'000;
+
+std::string line_directive(std::size_t line, std::size_t file) {
+    return fmt::format("#line {} {}\n", file * lines_a_file + line, file);
+}
+
 class Assembler {
 public:
     Assembler(const std::filesystem::path& root, const ShaderDefines& defines) : root_(root), defines_(defines) {}
@@ -46,10 +53,10 @@ private:
                                                        line_number, included));
                 }
                 if (std::ranges::find(source_.files, included) == source_.files.end()) {
-                    source_.text += fmt::format("#line 1 {}\n", source_.files.size());
+                    source_.text += line_directive(1, source_.files.size());
                     append(included, here);
                 }
-                source_.text += fmt::format("#line {} {}\n", line_number + 1, number);
+                source_.text += line_directive(static_cast<std::size_t>(line_number) + 1, number);
                 continue;
             }
             const bool is_version = std::regex_match(line, version_line);
@@ -59,7 +66,7 @@ private:
             source_.text += line + '\n';
             if (number == 0 && line_number == 1) {
                 for (const auto& [name, value] : defines_) source_.text += fmt::format("#define {} {}\n", name, value);
-                source_.text += "#line 2 0\n";
+                source_.text += line_directive(2, 0);
             }
         }
         if (number == 0 && source_.text.empty()) throw InputError(path, "is empty");
@@ -85,9 +92,11 @@ std::string with_file_names(const std::string& log, const std::vector<std::strin
     while (std::getline(lines, line)) {
         std::smatch match;
         if (std::regex_match(line, match, location)) {
-            const std::size_t number = std::stoul(match[2]);
+            const std::size_t numbered_line = std::stoul(match[3]);
+            const std::size_t number = std::max<std::size_t>(std::stoul(match[2]), numbered_line / lines_a_file);
             if (number < files.size()) {
-                line = fmt::format("{}{}:{}{}", match[1].str(), files[number], match[3].str(), match[4].str());
+                line = fmt::format("{}{}:{}{}", match[1].str(), files[number], numbered_line % lines_a_file,
+                                   match[4].str());
             }
         }
         if (line.empty()) continue;

@@ -116,6 +116,7 @@ public:
 
     /// Lets `once` passes draw again: what they depend on has changed.
     void forget_kept(const std::string& name);
+    void forget_kept() { kept_.clear(); }
 
 private:
     friend class PassRun;

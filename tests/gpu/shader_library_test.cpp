@@ -1,8 +1,10 @@
-// Every shader of the repository compiles and links; errors name file and line, through includes too.
+// Every shader of the repository compiles and links; errors name file and line, through includes too; what is saved is
+// compiled again.
 #include "gl/shader_library.h"
 
 #include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <regex>
 
 #include <gmock/gmock.h>
@@ -110,6 +112,7 @@ TEST_F(Shaders, an_error_in_an_include_names_the_include_and_its_line) {
                  "void main() { color = vec4(inner() + fine()); }\n");
     const auto compile = [&] { compile_shader(folder.root(), {GL_FRAGMENT_SHADER, "outer.frag"}, {}); };
     EXPECT_THAT(error_of(compile), testing::HasSubstr("common/inner.glsl:3"));
+    EXPECT_THAT(error_of(compile), testing::Not(testing::HasSubstr("outer.frag:3")));
     // And after the includes the lines of the outer file count on.
     folder.write("common/inner.glsl", "#include \"common/fine.glsl\"\n\nfloat inner() { return fine(); }\n");
     folder.write("outer.frag",
@@ -163,6 +166,103 @@ TEST_F(Shaders, definitions_reach_the_shader_and_variants_are_kept_apart) {
     }
 }
 
+/// A compute shader that writes what it includes, and what it writes.
+class ReloadedShaders : public Shaders {
+protected:
+    void SetUp() override {
+        folder_.write("common/value.glsl", "const float value = 1.0;\n");
+        folder_.write("value.comp",
+                      "#version 450 core\n"
+                      "#include \"common/value.glsl\"\n"
+                      "layout(local_size_x = 1) in;\n"
+                      "layout(std430, binding = 0) buffer Result { float result; };\n"
+                      "void main() { result = value; }\n");
+        library_.emplace(folder_.root());
+        program_ = &library_->compute("value.comp");
+    }
+
+    float written() const {
+        const Buffer result(sizeof(float));
+        result.bind(GL_SHADER_STORAGE_BUFFER, 0);
+        program_->use();
+        glDispatchCompute(1, 1, 1);
+        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        float value = 0;
+        result.read(std::span<float>(&value, 1));
+        return value;
+    }
+
+    ShaderFolder folder_;
+    std::optional<ShaderLibrary> library_;
+    Program* program_ = nullptr;
+};
+
+TEST_F(ReloadedShaders, stay_while_nothing_is_written) {
+    EXPECT_EQ(written(), 1.0F);
+    const GLuint name = program_->name();
+    folder_.write("value.comp.swp", "an editor's own file");
+    const ShaderReload reload = library_->reload_changed();
+    EXPECT_FALSE(reload.files_changed);
+    EXPECT_TRUE(reload.reloaded.empty());
+    EXPECT_EQ(program_->name(), name);
+}
+
+TEST_F(ReloadedShaders, are_new_in_their_place_when_an_include_is_written) {
+    folder_.write("other.comp", "#version 450 core\nlayout(local_size_x = 1) in;\nvoid main() {}\n");
+    const Program& other = library_->compute("other.comp");
+    library_->reload_changed();
+    const GLuint other_name = other.name();
+    folder_.write("common/value.glsl", "const float value = 22.0;\n");
+    const ShaderReload reload = library_->reload_changed();
+    EXPECT_TRUE(reload.files_changed);
+    EXPECT_THAT(reload.reloaded, testing::ElementsAre("value.comp"));
+    EXPECT_TRUE(reload.errors.empty());
+    EXPECT_EQ(program_, &library_->compute("value.comp"));
+    EXPECT_EQ(written(), 22.0F);
+    EXPECT_EQ(other.name(), other_name);
+    EXPECT_FALSE(library_->reload_changed().files_changed);
+}
+
+TEST_F(ReloadedShaders, keep_the_last_good_program_until_the_error_is_mended) {
+    folder_.write("common/value.glsl", "const float value = no_such_thing;\n");
+    const ShaderReload broken = library_->reload_changed();
+    EXPECT_TRUE(broken.reloaded.empty());
+    ASSERT_EQ(broken.errors.size(), 1U);
+    EXPECT_THAT(broken.errors.front(), testing::HasSubstr("common/value.glsl:1"));
+    EXPECT_EQ(written(), 1.0F);
+    // Told again whatever is written, until it is mended.
+    folder_.write("elsewhere.glsl", "float unused;\n");
+    EXPECT_EQ(library_->reload_changed().errors, broken.errors);
+    folder_.write("common/value.glsl", "const float value = 3.0;\n");
+    const ShaderReload mended = library_->reload_changed();
+    EXPECT_TRUE(mended.errors.empty());
+    EXPECT_THAT(mended.reloaded, testing::ElementsAre("value.comp"));
+    EXPECT_EQ(written(), 3.0F);
+}
+
+TEST_F(ReloadedShaders, notice_an_include_that_comes_late) {
+    folder_.write("value.comp",
+                  "#version 450 core\n"
+                  "#include \"common/later.glsl\"\n"
+                  "layout(local_size_x = 1) in;\n"
+                  "layout(std430, binding = 0) buffer Result { float result; };\n"
+                  "void main() { result = later; }\n");
+    EXPECT_EQ(library_->reload_changed().errors.size(), 1U);
+    EXPECT_EQ(written(), 1.0F);
+    folder_.write("common/later.glsl", "const float later = 4.0;\n");
+    EXPECT_TRUE(library_->reload_changed().errors.empty());
+    EXPECT_EQ(written(), 4.0F);
+}
+
+TEST_F(ReloadedShaders, may_vanish_and_come_back) {
+    fs::remove(folder_.root() / "common/value.glsl");
+    EXPECT_EQ(library_->reload_changed().errors.size(), 1U);
+    EXPECT_EQ(written(), 1.0F);
+    folder_.write("common/value.glsl", "const float value = 5.0;\n");
+    EXPECT_TRUE(library_->reload_changed().errors.empty());
+    EXPECT_EQ(written(), 5.0F);
+}
+
 TEST(ShaderRoot, is_found_and_can_be_chosen) {
     EXPECT_TRUE(fs::exists(shader_root() / "common/fullscreen.vert"));
     const ShaderFolder folder;
@@ -179,6 +279,7 @@ TEST(CompilerLogs, of_each_driver_are_translated) {
     EXPECT_EQ(with_file_names("0(7) : error C1503: no", files), "a.frag:7 : error C1503: no");
     EXPECT_EQ(with_file_names("ERROR: 1:3: 'x' : no\nERROR: 0:4: y", files),
               "ERROR: common/b.glsl:3: 'x' : no; ERROR: a.frag:4: y");
+    EXPECT_EQ(with_file_names("0:100012(5): error: no", files), "common/b.glsl:12(5): error: no");
     EXPECT_EQ(with_file_names("linking failed", files), "linking failed");
 }
 
