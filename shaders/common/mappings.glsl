@@ -6,7 +6,8 @@ const float pi = 3.14159265358979;
 vec2 latlong_uv(vec3 direction) {
     // atan(0, 0) is undefined in GLSL: straight up and down, where every longitude is the same place.
     float longitude = dot(direction.xy, direction.xy) > 0.0 ? atan(direction.x, direction.y) : 0.0;
-    return vec2(0.5 + longitude / (2.0 * pi), acos(clamp(direction.z, -1.0, 1.0)) / pi);
+    // The angle from straight up; acos is less exact, most of all near the poles.
+    return vec2(0.5 + longitude / (2.0 * pi), atan(length(direction.xy), direction.z) / pi);
 }
 
 // Direction of a place on a cube face, uv in [0, 1]² with row 0 first (OpenGL 4.5, table 8.19). Not normalised.
