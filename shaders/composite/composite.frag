@@ -8,7 +8,7 @@
 #include "common/response.glsl"
 #include "effects/contact_shadow/contact_shadow.glsl"
 
-uniform sampler2D plate_code;        // RGB code values of the region
+uniform sampler2D plate_code;        // RGB code values of the region; without footage: the background's linear light
 
 uniform sampler2D layer;             // virtual layer: premultiplied radiance in probe units, alpha = coverage
 uniform vec4 layer_intrinsics;       // fx, fy, cx, cy of the layer's pinhole, in its pixels (centres at whole numbers)
@@ -95,9 +95,16 @@ void main() {
     float r2 = dot(from_centre, from_centre);
     float falloff = 1.0 + vignette.x * r2 + vignette.y * r2 * r2;
 
+#ifdef NO_FOOTAGE
+    vec3 plate_linear = code;
+#else
     vec3 plate_linear = linear_from_code(code);
+#endif
     vec3 linear = plate_linear * ratio * (1.0 - virtual_light.a) + virtual_light.rgb * gain * falloff;
     bool touched = virtual_light.a > 0.0 || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(lessThan(ratio, vec3(1.0)));
+#ifdef NO_FOOTAGE
+    touched = true;  // no pixel has been anyone's before
+#endif
 #ifdef WRITE_LIGHT
     light_after = vec4(touched ? linear : plate_linear, virtual_light.a);
     light_before = vec4(plate_linear, touched ? 1.0 : 0.0);

@@ -25,6 +25,8 @@ public:
     /// The passes that make what the scene needs, drawn once over all frames; returns what drawing surfaces reads.
     std::vector<PassInput> add_passes(RenderGraph& graph);
 
+    /// Turned and scaled as the scene says.
+    const Probe& probe() const { return probe_; }
     const Environment& environment() const { return *environment_; }
     const std::optional<ContactShadow>& contact_shadow() const { return contact_shadow_; }
     const SurfaceShading& shading() const { return shading_; }

@@ -85,6 +85,7 @@ struct Compositor::Impl {
     SurfaceRenderer surfaces;
     RenderGraph graph;
     std::optional<ClipLight> light;
+    std::optional<Background> background;      // of a scene without footage
     std::optional<ShadowFootprint> footprint;  // made with the first frame, whose depth sets the limit
     LensMap lens_map;
     std::unique_ptr<CompositePass> composite_pass;
@@ -105,6 +106,9 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
       effects(shaders, scene.effects) {
     place_objects(scene, warnings);
     light.emplace(shaders, surfaces, scene, quality, warnings);
+    if (scene.camera) {
+        background.emplace(scene.background, light->probe(), solve.camera.width, solve.camera.height, warnings);
+    }
     graph.set_leaves_out(options.leave_out);
     graph.begin_frame(solve.camera.width, solve.camera.height);
     for (const PassInput& input : light->add_passes(graph)) graph.output(input.texture);
@@ -188,6 +192,8 @@ Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const 
         object_bounds.extend(bounds);
         regions.push_back(plate_region(bounds, solve.camera, margin_px));
     }
+    if (background)
+        return {.runs = {{0, 0, format.width, format.height}}, .bounds = {0, 0, format.width, format.height}};
     const std::optional<ContactShadow>& shadow = light->contact_shadow();
     if (!shadow) return make_reach(regions, {}, 0, camera_from_world, lens_map, solve.camera);
     if (!footprint) footprint.emplace(shadow->far, shadow->fine, half_code(format));
@@ -235,6 +241,7 @@ CompositedFrame Compositor::composite(PlateFrame plate) {
                  .effects = impl.effects,
                  .camera = impl.solve.camera,
                  .quality = impl.quality,
+                 .background = impl.background ? &*impl.background : nullptr,
                  .timed = impl.options.timed},
                 plan)
         .composite(result, impl.options);

@@ -28,6 +28,7 @@ struct FrameLayers {
     ImageF shadow;        // RGB ratio
     ImageF object_id;     // 1 channel; 0 = nothing, 1 = the scene's first object
     ImageF virtual_rgba;  // the virtual layer alone: premultiplied plate-linear light and alpha
+    ImageF background;    // RGB, in place of the plate in scenes without footage; else empty
 };
 
 /// The plate as it came, and what is new in it.

@@ -92,7 +92,8 @@ public:
 
     void write(const CompositedFrame& frame, const Compositor& compositor) override {
         const PlateFormat& format = frame.plate.format();
-        const ImageF plate = compositor.plate_linear(frame.plate);
+        const bool has_footage = !frame.layers || frame.layers->background.empty();
+        const ImageF plate = has_footage ? compositor.plate_linear(frame.plate) : frame.layers->background;
         ImageF beauty = plate;
         std::vector<ExrPart> parts{{"beauty", {"R", "G", "B"}, &beauty, true, {}},
                                    {"plate", {"R", "G", "B"}, &plate, true, {}}};

@@ -74,6 +74,7 @@ CompositeInput FramePasses::composite_input(const ImageF& plate_code, const Regi
     input.runs = runs;
     input.layer = layer_drawn_ ? &layer_ : nullptr;
     input.layer_drawn = layer_drawn_;
+    input.background = background_;
     const std::optional<ContactShadow>& shadow = resources_.light.contact_shadow();
     input.shadow = shadow ? &*shadow : nullptr;
     input.optics = plan_.optics;
@@ -134,9 +135,24 @@ GraphTexture FramePasses::add_surface(bool layers) {
     return drawn;
 }
 
+GraphTexture FramePasses::add_background() {
+    if (resources_.background == nullptr) return {};
+    const Camera& camera = resources_.camera;
+    return resources_.background->add(resources_.graph, resources_.shaders,
+                                      {.width = camera.width,
+                                       .height = camera.height,
+                                       .fx = camera.fx,
+                                       .fy = camera.fy,
+                                       .cx = camera.cx,
+                                       .cy = camera.cy,
+                                       .camera_from_world = plan_.optics.camera_from_world,
+                                       .gain = plan_.optics.gain});
+}
+
 void FramePasses::composite(CompositedFrame& result, const CompositorOptions& options) {
     resources_.graph.begin_frame(resources_.camera.width, resources_.camera.height);
     layer_drawn_ = add_surface(options.layers);
+    background_ = add_background();
     result.reach = plan_.reach.bounds;
     if (options.layers || resources_.effects.any()) {
         composite_light(result, options.layers);
@@ -150,7 +166,7 @@ void FramePasses::composite_code(CompositedFrame& result) {
     RenderGraph& graph = resources_.graph;
     const Region& region = result.reach;
     const std::vector<Region>& runs = plan_.reach.runs;
-    const ImageF plate_code = code_of_runs(result.plate, region, runs);
+    const ImageF plate_code = background_ ? ImageF() : code_of_runs(result.plate, region, runs);
     CompositeInput input = composite_input(plate_code, region, runs);
     input.least_visible_loss = half_code(result.plate.format());
     const CompositePicture picture = resources_.composite.add(graph, input);
@@ -170,13 +186,15 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
         runs = {result.reach};
     }
     const Region region = result.reach;
-    const ImageF plate_code = code_of_runs(result.plate, region, runs);
+    const ImageF plate_code = background_ ? ImageF() : code_of_runs(result.plate, region, runs);
     CompositeInput input = composite_input(plate_code, region, runs);
     input.least_visible_loss = half_code(result.plate.format());
     input.light = true;
     input.layers = layers;
     const CompositePicture picture = resources_.composite.add(graph, input);
-    const GraphTexture spill = resources_.effects.add(graph, picture.light);
+    FrameLight light = picture.light;
+    if (background_) light.before = {};  // no part of this light has spilled yet
+    const GraphTexture spill = resources_.effects.add(graph, light);
     const ResponsePicture shown =
         resources_.composite.add_response(graph, {.plate = picture.plate,
                                                   .region = region,
@@ -187,7 +205,7 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
                                                   .layers = layers});
     graph.output(shown.code);
     GraphTexture tiles;
-    if (!layers) {
+    if (!layers && !background_) {
         tiles = add_spill_tiles(graph, resources_.shaders, spill, Reach::tile_px);
         graph.output(spill);
         graph.output(tiles);
@@ -196,6 +214,7 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
          {shown.linear, picture.shadow, picture.virtual_rgba, picture.geometry, picture.object_id}) {
         graph.output(layer);
     }
+    if (layers) graph.output(background_);
     graph.run(resources_.timed);
 
     result.code = ImageF(region.width, region.height, 3);
@@ -214,7 +233,8 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
                                 .normal = channels_of(geometry, 0, 3),
                                 .shadow = read(picture.shadow, 3),
                                 .object_id = read(picture.object_id, 1),
-                                .virtual_rgba = read(picture.virtual_rgba, 4)};
+                                .virtual_rgba = read(picture.virtual_rgba, 4),
+                                .background = background_ ? read(background_, 3) : ImageF()};
 }
 
 void FramePasses::composite_surroundings(CompositedFrame& result, GraphTexture spill, GraphTexture tiles) {

@@ -10,6 +10,7 @@
 #include "compositor/compositor.h"
 #include "compositor/quality.h"
 #include "compositor/reach.h"
+#include "render/background.h"
 #include "render/composite_pass.h"
 #include "render/graph.h"
 #include "render/surface.h"
@@ -34,7 +35,8 @@ struct FrameResources {
     CameraEffects& effects;
     const Camera& camera;
     const Quality& quality;
-    bool timed = false;  // see RenderGraph::run
+    const Background* background = nullptr;  // of a scene without footage
+    bool timed = false;                      // see RenderGraph::run
 };
 
 class FramePasses {
@@ -46,6 +48,7 @@ public:
 
 private:
     GraphTexture add_surface(bool layers);
+    GraphTexture add_background();
     /// Without effects or layers: code values in one pass.
     void composite_code(CompositedFrame& result);
     /// Light first, then what spills, then code values: with effects or layers.
@@ -59,6 +62,7 @@ private:
     const FramePlan& plan_;
     VirtualLayer layer_;
     GraphTexture layer_drawn_;
+    GraphTexture background_;  // empty where there is footage
 };
 
 /// Half a code value of the footage's depth, as a share of the brightest code. Response curves are steepest in relative

@@ -158,10 +158,13 @@ void CompositePass::set_input(Program& program, const CompositeInput& input) con
 }
 
 CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& input) {
-    const GraphTexture plate = add_upload(graph, "plate/upload", *input.plate_code, input.region, input.runs);
+    const GraphTexture plate = input.background
+                                   ? input.background
+                                   : add_upload(graph, "plate/upload", *input.plate_code, input.region, input.runs);
     GraphPass pass{
         .name = "composite", .reads = {{plate}, {input.layer_drawn}}, .writes = {GL_RGBA32F}, .region = input.region};
     ShaderDefines defines;
+    if (input.background) defines["NO_FOOTAGE"] = "1";
     if (input.light) {
         pass.writes.push_back(GL_RGBA32F);
         defines["WRITE_LIGHT"] = "1";

@@ -37,6 +37,7 @@ struct CompositeInput {
     std::vector<Region> runs;               // the parts of it to draw, in plate pixels
     const VirtualLayer* layer = nullptr;    // read by run(), after `layer_drawn`; null: nothing in view
     GraphTexture layer_drawn;               // what the layer's pass provides
+    GraphTexture background;                // plate-linear RGB over the whole frame in place of a plate
     const ContactShadow* shadow = nullptr;  // null: no shadow, which is a ratio of 1
     FrameOptics optics;
     double least_visible_loss = 0;  // a shadow that takes less leaves the pixel the plate's

@@ -1,0 +1,113 @@
+// Scenes without footage, as a user renders them.
+#include <cmath>
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "core/transfer.h"
+#include "core/warnings.h"
+#include "media/frame_source.h"
+#include "media/image_io.h"
+#include "run_matchlight.h"
+
+namespace matchlight::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class VirtualScene : public CommandTest {
+protected:
+    void SetUp() override {
+        folder_ = scratch_.copy_sample("table");
+        warnings_.set_quiet(true);
+    }
+    fs::path write(const std::string& camera, const std::string& rest) {
+        const fs::path path = folder_ / "virtual.toml";
+        std::ofstream(path) << "[camera]\n"
+                            << camera << "orbit = {target = [0, 0, 0.05], radius = 0.6, elevation_deg = 20}\n"
+                            << rest;
+        return path;
+    }
+    RunResult render(const fs::path& scene, const fs::path& output, const std::vector<std::string>& more = {}) const {
+        std::vector<std::string> call{"render", scene, "-o", output, "--level", "draft"};
+        call.insert(call.end(), more.begin(), more.end());
+        return run_matchlight(call);
+    }
+
+    fs::path folder_;
+    Warnings warnings_;
+};
+
+const char* const small_clip = "width = 64\nheight = 48\nframes = 5\nfps = 30\n";
+const char* const sky_and_ball =
+    "[light]\nprobe = \"probe.exr\"\n[background]\nprobe = true\n[[object]]\nshape = \"sphere\"\nscale = "
+    "0.2\ntranslate = [0, 0, 0.05]\n";
+
+TEST_F(VirtualScene, ShowsItsBackgroundInExactCodes) {
+    const fs::path scene =
+        write("width = 7\nheight = 5\nexposure_ev = 1\n", "[background]\ncolor = [0.1, 0.25, 0.6]\n");
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "out_%d.png")));
+    const Image8 picture = read_rgb8(scratch_ / "out_0.png");
+    ASSERT_EQ(picture.width(), 7);
+    ASSERT_EQ(picture.height(), 5);
+    for (int y = 0; y < 5; ++y) {
+        for (int x = 0; x < 7; ++x) {
+            EXPECT_EQ(picture.at(x, y, 0), std::lround(255 * srgb_code_from_linear(0.2)));
+            EXPECT_EQ(picture.at(x, y, 1), std::lround(255 * srgb_code_from_linear(0.5)));
+            EXPECT_EQ(picture.at(x, y, 2), 255);
+        }
+    }
+}
+
+TEST_F(VirtualScene, RendersVideoPicturesAndLayers) {
+    const fs::path scene = write(small_clip, sky_and_ball);
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "out.mp4")));
+    const auto video = FrameSource::open(scratch_ / "out.mp4", {}, warnings_);
+    EXPECT_EQ(video->info().frame_count, 5);
+    EXPECT_NEAR(video->info().fps, 30, 1e-6);
+    EXPECT_EQ(video->info().format.width, 64);
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "out_%d.exr", {"--frames", "2-2"})));
+    const fs::path exr = scratch_ / "out_2.exr";
+    const ImageF alpha = read_exr_part(exr, "alpha", {"A"});
+    const ImageF plate = read_exr_part(exr, "plate", {"R", "G", "B"});
+    const ImageF beauty = read_exr_part(exr, "beauty", {"R", "G", "B"});
+    EXPECT_EQ(alpha.at(32, 24), 1);
+    EXPECT_EQ(alpha.at(0, 0), 0);
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_GT(plate.at(0, 0, c), 0);
+        EXPECT_EQ(plate.at(0, 0, c), beauty.at(0, 0, c));
+    }
+    EXPECT_NEAR(read_exr_part(exr, "depth", {"Z"}).at(32, 24), 0.5, 0.02);
+}
+
+TEST_F(VirtualScene, RendersAnyFramesInAnyOrderWithTheSameBits) {
+    const fs::path scene = write(small_clip, sky_and_ball);
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "all_%d.png")));
+    for (const int frame : {3, 0, 4}) {
+        const std::string range = std::to_string(frame) + "-" + std::to_string(frame);
+        ASSERT_TRUE(succeeded(render(scene, scratch_ / "one_%d.png", {"--frames", range})));
+        EXPECT_EQ(bytes_of(numbered(scratch_ / "one_%d.png", frame)),
+                  bytes_of(numbered(scratch_ / "all_%d.png", frame)));
+    }
+    EXPECT_NE(bytes_of(scratch_ / "all_0.png"), bytes_of(scratch_ / "all_2.png"));
+}
+
+TEST_F(VirtualScene, NeedsNoTrack) {
+    const fs::path scene = write(small_clip, sky_and_ball);
+    EXPECT_TRUE(
+        failed_naming(run_matchlight({"track", scene}), {"virtual.toml", "needs no track", "matchlight render"}));
+}
+
+TEST_F(VirtualScene, IsRefusedWithLineAndCure) {
+    EXPECT_TRUE(failed_naming(render(write("width = 64\n", ""), scratch_ / "out.mp4"),
+                              {"virtual.toml:1", "'height' is missing"}));
+    EXPECT_TRUE(
+        failed_naming(render(write(small_clip, "[background]\nimage = \"truth_000.png\"\n"), scratch_ / "a.mp4"),
+                      {"truth_000.png", "640×360", "64×48"}));
+    EXPECT_TRUE(failed_naming(render(write(small_clip, sky_and_ball), scratch_ / "out_%d.png", {"--frames", "5-5"}),
+                              {"virtual.toml", "no frame 5"}));
+    EXPECT_TRUE(nothing_left_of(scratch_ / "a.mp4"));
+}
+
+}  // namespace
+}  // namespace matchlight::test
