@@ -55,13 +55,26 @@ void refuse_input_as_output(const fs::path& output, const Scene& scene) {
     }
 }
 
-/// A picture sequence that exists already is found before the first frame is drawn, not in the middle.
-void check_pictures(const RenderArguments& arguments, const FootageInfo& footage) {
-    if (arguments.overwrite || output_kind(arguments.output) == OutputKind::video) return;
+/// Pictures that exist already are found before the first frame is drawn, not in the middle.
+void check_pictures(const RenderArguments& arguments, const fs::path& pattern, const FootageInfo& footage) {
+    if (arguments.overwrite) return;
     const std::int64_t end = arguments.frames.last ? *arguments.frames.last + 1 : footage.frame_count;
     for (std::int64_t frame = arguments.frames.first; frame < end; ++frame) {
-        check_output(numbered(arguments.output, frame + arguments.first_number), false);
+        check_output(numbered(pattern, frame + arguments.first_number), false);
     }
+}
+
+void check_masks(const RenderArguments& arguments, const Scene& scene, const FootageInfo& footage) {
+    const fs::path masks = arguments.touched_masks;
+    if (masks.empty()) return;
+    refuse_input_as_output(masks, scene);
+    if (output_kind(masks) != OutputKind::png)
+        throw InputError(masks, "masks are PNG pictures", "name touched_%04d.png");
+    if (!is_pattern(masks)) throw InputError(masks, "names one picture for all frames", "name touched_%04d.png");
+    if (masks.lexically_normal() == fs::path(arguments.output).lexically_normal()) {
+        throw InputError(masks, "is the name of the output too", "name another");
+    }
+    check_pictures(arguments, masks, footage);
 }
 
 Image8 whole_frame_mask(const CompositedFrame& frame) {
@@ -97,7 +110,8 @@ void render(const RenderArguments& arguments, CommandContext& context) {
                                 .first_number = arguments.first_number,
                                 .provenance = fmt::format("matchlight {}\n{}", version, scene.effective_toml)};
     const OutputLock lock(request.path);
-    check_pictures(arguments, source->info());
+    if (output_kind(request.path) != OutputKind::video) check_pictures(arguments, request.path, source->info());
+    check_masks(arguments, scene, source->info());
     const std::unique_ptr<FrameOutput> output = open_frame_output(request, source->info(), warnings);
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
     Compositor compositor(*gl, scene, solve, {.quality = scene.quality, .layers = output->needs_layers()}, warnings);

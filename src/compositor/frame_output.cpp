@@ -2,13 +2,11 @@
 #include "compositor/frame_output.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
-#include "core/parallel.h"
 #include "media/frame_sink.h"
 #include "media/image_io.h"
 

@@ -67,5 +67,8 @@ void write_exr(const std::filesystem::path& path, int display_width, int display
 /// a pattern that is not a single %d or %0Nd.
 std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_t number);
 bool is_pattern(const std::filesystem::path& path);
+/// The numbers of the files that have a name of the pattern, in order. Throws InputError where the folder cannot be
+/// read.
+std::vector<std::int64_t> numbers_of_pattern(const std::filesystem::path& pattern);
 
 }  // namespace matchlight

@@ -1,7 +1,11 @@
 // printf patterns of image sequences: exactly one %d or %0Nd, in the file name.
+#include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <optional>
 #include <string>
+#include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -51,6 +55,29 @@ fs::path numbered(const fs::path& pattern, std::int64_t number) {
 
 bool is_pattern(const fs::path& path) {
     return find_number_field(path).has_value();
+}
+
+std::vector<std::int64_t> numbers_of_pattern(const fs::path& pattern) {
+    const fs::path folder = pattern.has_parent_path() ? pattern.parent_path() : fs::path(".");
+    std::error_code error;
+    std::vector<std::int64_t> numbers;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+        const std::string name = entry->path().filename().string();
+        // Any run of digits may be the number: the pattern decides by giving the same name back.
+        for (std::size_t at = 0; at < name.size(); ++at) {
+            if (std::isdigit(static_cast<unsigned char>(name[at])) == 0) continue;
+            std::int64_t number = 0;
+            const auto parsed = std::from_chars(name.data() + at, name.data() + name.size(), number);
+            if (parsed.ec == std::errc() && numbered(pattern, number).filename() == name) {
+                numbers.push_back(number);
+                break;
+            }
+            at = static_cast<std::size_t>(parsed.ptr - name.data());
+        }
+    }
+    if (error) throw InputError(pattern, "its folder cannot be read: " + error.message());
+    std::sort(numbers.begin(), numbers.end());
+    return numbers;
 }
 
 }  // namespace matchlight

@@ -1,12 +1,8 @@
 // Numbers are found by looking into the folder; each picture becomes R'G'B' samples as they are in the file.
 #include "media/sequence_source.h"
 
-#include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstring>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -26,30 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The numbers of the pattern's files in its folder, ascending.
-std::vector<std::int64_t> numbers_in_folder(const fs::path& pattern) {
-    const fs::path folder = pattern.has_parent_path() ? pattern.parent_path() : fs::path(".");
-    std::error_code error;
-    std::vector<std::int64_t> numbers;
-    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-        const std::string name = entry->path().filename().string();
-        // Any run of digits may be the number: the pattern decides by giving the same name back.
-        for (std::size_t at = 0; at < name.size(); ++at) {
-            if (std::isdigit(static_cast<unsigned char>(name[at])) == 0) continue;
-            std::int64_t number = 0;
-            const auto parsed = std::from_chars(name.data() + at, name.data() + name.size(), number);
-            if (parsed.ec == std::errc() && numbered(pattern, number).filename() == name) {
-                numbers.push_back(number);
-                break;
-            }
-            at = static_cast<std::size_t>(parsed.ptr - name.data());
-        }
-    }
-    if (error) throw InputError(pattern, "its folder cannot be read: " + error.message());
-    std::sort(numbers.begin(), numbers.end());
-    return numbers;
-}
-
 template <class Sample>
 std::shared_ptr<AVFrame> as_frame(const Image<Sample>& image) {
     AvPointer<AVFrame> frame =
@@ -67,7 +39,7 @@ std::shared_ptr<AVFrame> as_frame(const Image<Sample>& image) {
 SequenceSource::SequenceSource(const fs::path& pattern, const FootageOptions& options) : options_(options) {
     const double fps = options.sequence_fps.value_or(25);
     if (!(fps > 0) || !(fps < 1e6)) throw InputError(pattern, fmt::format("{} frames per second", fps), "set fps = 25");
-    const std::vector<std::int64_t> numbers = numbers_in_folder(pattern);
+    const std::vector<std::int64_t> numbers = numbers_of_pattern(pattern);
     if (numbers.empty()) throw InputError(pattern, "no file matches this pattern");
     info_.path = pattern;
     info_.is_sequence = true;

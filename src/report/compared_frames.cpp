@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -102,42 +100,6 @@ private:
     std::unique_ptr<FrameSource> source_;
 };
 
-/// The number in a file's name, when `numbered` would give it that name.
-std::optional<std::int64_t> number_in_name(const fs::path& pattern, const std::string& prefix, const fs::path& file) {
-    const std::string name = file.filename().string();
-    if (!name.starts_with(prefix)) return std::nullopt;
-    std::int64_t number = 0;
-    const char* begin = name.data() + prefix.size();
-    const auto [end, error] = std::from_chars(begin, name.data() + name.size(), number);
-    if (error != std::errc() || number < 0 || numbered(pattern, number).filename() != name) return std::nullopt;
-    return number;
-}
-
-/// The part of a pattern's name that precedes "%d" or "%04d"; other percent signs are plain characters of the name.
-std::string name_before_number(const fs::path& pattern) {
-    const std::string name = pattern.filename().string();
-    for (std::size_t at = name.find('%'); at != std::string::npos; at = name.find('%', at + 1)) {
-        const std::size_t letter = name.find_first_not_of("0123456789", at + 1);
-        if (letter != std::string::npos && name[letter] == 'd') return name.substr(0, at);
-    }
-    return name;
-}
-
-std::vector<std::pair<std::int64_t, fs::path>> files_of_pattern(const fs::path& pattern) {
-    const fs::path folder = pattern.has_parent_path() ? pattern.parent_path() : fs::path(".");
-    const std::string prefix = name_before_number(pattern);
-    std::vector<std::pair<std::int64_t, fs::path>> files;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder, error)) {
-        if (const auto number = number_in_name(pattern, prefix, entry.path())) {
-            files.emplace_back(*number, pattern.parent_path() / entry.path().filename());
-        }
-    }
-    if (error) throw InputError(folder, "cannot be listed: " + error.message());
-    std::sort(files.begin(), files.end());
-    return files;
-}
-
 }  // namespace
 
 bool is_single_picture(const fs::path& path) {
@@ -151,7 +113,7 @@ std::unique_ptr<ComparedFrames> ComparedFrames::open(const fs::path& path, const
                                                      Warnings& warnings) {
     std::vector<std::pair<std::int64_t, fs::path>> files;
     if (is_pattern(path)) {
-        files = files_of_pattern(path);
+        for (const std::int64_t number : numbers_of_pattern(path)) files.emplace_back(number, numbered(path, number));
         if (files.empty()) throw InputError(path, "no file has a name of this pattern");
         for (auto& [number, file] : files) number -= options.first_number;
     } else if (is_single_picture(path)) {

@@ -1,9 +1,11 @@
 // What `matchlight render` puts into a picture and what it leaves alone, on the sample shot.
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "core/warnings.h"
@@ -76,6 +78,49 @@ TEST_F(RenderTest, PixelsThatNothingTouchesAreTheDecodedPlate) {
     }
     EXPECT_GT(outside, before.width() * before.height() / 4);
     EXPECT_GT(changed_inside, 8000);  // three objects of about 70 px each
+}
+
+TEST_F(RenderTest, MasksNeverReplaceWhatExists) {
+    const fs::path output = scratch_ / "out_%03d.png";
+    const std::vector<std::string> some{"--frames", "5-6", "--level", "draft", "--touched"};
+    const auto refused = [&](const fs::path& masks, const std::string& why) {
+        std::vector<std::string> call = some;
+        call.push_back(masks);
+        const RunResult run = render(output, call);
+        EXPECT_EQ(run.status, 1) << masks;
+        EXPECT_THAT(run.standard_error, testing::HasSubstr(why));
+        EXPECT_FALSE(fs::exists(numbered(output, 5))) << "nothing is rendered before";
+    };
+    refused(scratch_ / "mask.png", "names one picture for all frames");
+    refused(scratch_ / "mask_%03d.mp4", "PNG");
+    refused(output, "name of the output");
+    std::ofstream(scratch_ / "mask_006.png") << "here before";
+    refused(scratch_ / "mask_%03d.png", "mask_006.png");
+    EXPECT_EQ(bytes_of(scratch_ / "mask_006.png"), "here before");
+}
+
+TEST_F(RenderTest, ExplainSaysWhatBecameOfEachPass) {
+    const RunResult run = run_matchlight({"render", scene_, "--explain", "6", "--level", "draft", "--json"});
+    ASSERT_TRUE(succeeded(run));
+    const auto report = nlohmann::json::parse(run.standard_output);
+    EXPECT_EQ(report.at("frame"), 6);
+    std::map<std::string, nlohmann::json> passes;
+    for (const auto& pass : report.at("passes")) passes[pass.at("pass")] = pass;
+    for (const char* drawn : {"plate/upload", "surface", "composite"}) {
+        ASSERT_TRUE(passes.contains(drawn)) << drawn;
+        EXPECT_TRUE(passes[drawn].at("drawn").get<bool>()) << drawn;
+        EXPECT_GT(passes[drawn].at("ms").get<double>(), 0) << drawn;
+        EXPECT_GT(passes[drawn].at("bytes").get<double>(), 0) << drawn;
+        EXPECT_GT(passes[drawn].at("region").at("width").get<int>(), 0) << drawn;
+    }
+    for (const char* left_out : {"light/sphere map", "light/reflection cube", "shadow/contact", "bloom", "glare"}) {
+        ASSERT_TRUE(passes.contains(left_out)) << left_out;
+        EXPECT_FALSE(passes[left_out].at("drawn").get<bool>()) << left_out;
+        EXPECT_NE(passes[left_out].at("why"), "") << left_out;
+    }
+    EXPECT_EQ(run_matchlight({"render", scene_, "--explain", "99"}).status, 1);
+    EXPECT_EQ(run_matchlight({"render", scene_}).status, 2) << "neither output nor --explain";
+    EXPECT_EQ(run_matchlight({"render", scene_, "--explain", "1", "-o", "x.mp4"}).status, 2);
 }
 
 TEST_F(RenderTest, LooksLikeTheTruth) {
