@@ -99,7 +99,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
     : context(gl_context),
       solve(the_solve),
       options(the_options),
-      quality(quality_of(the_options.quality)),
+      quality(the_options.settings.value_or(quality_of(the_options.quality))),
       warnings(the_warnings),
       surfaces(shaders),
       lens_map(make_lens_map(solve.camera)),
@@ -180,6 +180,10 @@ Compositor::Compositor(GlContext& context, const Scene& scene, const Solve& solv
     : impl_(std::make_unique<Impl>(context, scene, solve, options, warnings)) {}
 
 Compositor::~Compositor() = default;
+
+SurfaceRenderer& Compositor::surfaces() {
+    return impl_->surfaces;
+}
 
 Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
                                  Eigen::AlignedBox2d& object_bounds) {

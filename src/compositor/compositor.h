@@ -6,12 +6,14 @@
 #include <optional>
 #include <vector>
 
+#include "compositor/quality.h"
 #include "core/image.h"
 #include "core/warnings.h"
 #include "gl/context.h"
 #include "gl/shader_library.h"
 #include "media/plate.h"
 #include "render/graph.h"
+#include "render/surface.h"
 #include "scene/scene_file.h"
 #include "tracking/solve_file.h"
 
@@ -49,9 +51,10 @@ struct CompositedFrame {
 
 struct CompositorOptions {
     QualityLevel quality = QualityLevel::final_;
-    bool layers = false;  // also return FrameLayers
-    bool leave_out = true;  // false: draw what could be left out, too; the result is the same, bit for bit
-    bool timed = false;   // time every pass, for reports(); waits for the GPU at each
+    std::optional<Quality> settings = {};  // instead of what `quality` means
+    bool layers = false;                   // also return FrameLayers
+    bool leave_out = true;                 // false: draw what could be left out, too; the result is the same, bit for bit
+    bool timed = false;                    // time every pass, for reports(); waits for the GPU at each
 };
 
 class Compositor {
@@ -82,6 +85,9 @@ public:
     /// The virtual layer alone over the whole frame, for output with alpha: code values of its light, premultiplied by
     /// alpha, 4 floats a pixel. Needs the frame's layers.
     ImageF virtual_layer_code(const CompositedFrame& frame) const;
+
+    /// The objects on the GPU, for the report: it holds what is drawn of them against references.
+    SurfaceRenderer& surfaces();
 
     /// The plate's linear light over the whole frame (for EXR output), through the response in force.
     ImageF plate_linear(const PlateFrame& plate) const;

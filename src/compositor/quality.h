@@ -1,6 +1,10 @@
 // What each quality level of the scene file means, in one place.
 #pragma once
 
+#include <array>
+#include <string_view>
+#include <utility>
+
 #include "render/effects/contact_shadow.h"
 #include "render/effects/object_shadow.h"
 #include "scene/scene_file.h"
@@ -32,5 +36,12 @@ inline Quality quality_of(QualityLevel level) {
     }
     return {2, 1, 512, {.directions = 128, .resolution = 1024}, {}};
 }
+
+/// The levels with their names in scene files, cheapest first.
+inline constexpr std::array<std::pair<std::string_view, QualityLevel>, 4> quality_levels{
+    {{"draft", QualityLevel::draft},
+     {"preview", QualityLevel::preview},
+     {"final", QualityLevel::final_},
+     {"reference", QualityLevel::reference}}};
 
 }  // namespace matchlight

@@ -325,6 +325,37 @@ void SurfaceRenderer::bake_visibility(Program& program) {
     }
 }
 
+std::vector<PlacedMesh> SurfaceRenderer::read_meshes() const {
+    std::vector<PlacedMesh> placed;
+    for (const Object& object : objects_) {
+        const Eigen::Matrix3d normal_from_model = object.world_from_model.topLeftCorner<3, 3>().inverse().transpose();
+        for (const Mesh& mesh : object.meshes) {
+            PlacedMesh& next = placed.emplace_back();
+            for (const ModelVertex& vertex : mesh.geometry.read_vertices()) {
+                const Eigen::Vector3d position = Eigen::Vector3f(vertex.position.data()).cast<double>();
+                const Eigen::Vector3d normal = Eigen::Vector3f(vertex.normal.data()).cast<double>();
+                next.positions_m.emplace_back((object.world_from_model * position.homogeneous()).hnormalized());
+                next.normals.emplace_back((normal_from_model * normal).normalized());
+            }
+            next.indices = mesh.geometry.read_indices();
+            next.casts_shadow = object.casts(mesh);
+            next.reflectance = object.material_of(mesh).reflectance();
+        }
+    }
+    return placed;
+}
+
+void SurfaceRenderer::set_visibility(std::size_t mesh, std::span<const Eigen::Vector3f> visibility) {
+    for (Object& object : objects_) {
+        if (mesh < object.meshes.size()) {
+            object.meshes[mesh].geometry.set_visibility(visibility);
+            return;
+        }
+        mesh -= object.meshes.size();
+    }
+    assert(false);
+}
+
 void SurfaceRenderer::draw_shadow_casters(Program& program) const {
     program.use();
     for (const Object& object : objects_) {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -51,6 +52,14 @@ struct SurfaceShading {
     static constexpr GLuint first_free_unit = 8;
 };
 
+/// The geometry of one mesh as it stands in the world.
+struct PlacedMesh {
+    std::vector<Eigen::Vector3d> positions_m, normals;
+    std::vector<std::uint32_t> indices;  // of triangles
+    bool casts_shadow = true;
+    double reflectance = 0;  // of white light, as SurfaceMaterial has it
+};
+
 /// Objects on the GPU. Opaque and masked meshes are drawn first, then the blended ones from back to front by the
 /// distance of their centres. Each draw sets the depth, blend and cull state it needs and leaves depth test, blending
 /// and culling off.
@@ -78,6 +87,11 @@ public:
     /// Runs a compute program over the vertices of every mesh, to keep what it finds of their light with them (see
     /// render/effects/object_shadow.h). Sets `world_from_model` and `normal_from_model` for each object.
     void bake_visibility(Program& program);
+
+    /// Every mesh, read back, in the order that set_visibility() takes: for references in double precision.
+    std::vector<PlacedMesh> read_meshes() const;
+    /// The share of light over the hemisphere of every vertex of a mesh, instead of what was baked.
+    void set_visibility(std::size_t mesh, std::span<const Eigen::Vector3f> visibility);
 
     /// Draws the geometry of shadow casters with the caller's program and state: position at attribute 0, uniform
     /// `world_from_model` set for each object. Blended meshes whose alpha is below a half cast none.

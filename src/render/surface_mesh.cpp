@@ -2,6 +2,7 @@
 #include "render/surface_mesh.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 
 #include <fmt/format.h>
@@ -41,8 +42,32 @@ void SurfaceMesh::bake_visibility(Program& program) {
     constexpr int group = 64;  // as bake.comp says
     glDispatchCompute(static_cast<GLuint>((vertex_count_ + group - 1) / group), 1, 1);
     glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT);
+    attach_visibility();
+}
+
+void SurfaceMesh::attach_visibility() {
     const VertexArray::Attribute attribute{.location = 5, .components = 4, .byte_offset = 0};
     array_.set_vertex_buffer(1, visibility_, 4 * sizeof(float), {&attribute, 1});
+}
+
+void SurfaceMesh::set_visibility(std::span<const Eigen::Vector3f> visibility) {
+    assert(static_cast<GLsizei>(visibility.size()) == vertex_count_);
+    std::vector<float> values;
+    for (const Eigen::Vector3f& rgb : visibility) values.insert(values.end(), {rgb.x(), rgb.y(), rgb.z(), 1.0F});
+    visibility_ = Buffer(std::span<const float>(values));
+    attach_visibility();
+}
+
+std::vector<ModelVertex> SurfaceMesh::read_vertices() const {
+    std::vector<ModelVertex> vertices(static_cast<std::size_t>(vertex_count_));
+    vertices_.read(std::span(vertices));
+    return vertices;
+}
+
+std::vector<std::uint32_t> SurfaceMesh::read_indices() const {
+    std::vector<std::uint32_t> indices(static_cast<std::size_t>(index_count_));
+    indices_.read(std::span(indices));
+    return indices;
 }
 
 void SurfaceMesh::draw() const {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "gl/objects.h"
@@ -20,6 +21,12 @@ public:
 
     /// Runs effects/object_shadow/bake.comp over the vertices; the result is attribute 5 from then on.
     void bake_visibility(Program& program);
+    /// RGB for every vertex, instead of what is baked.
+    void set_visibility(std::span<const Eigen::Vector3f> visibility);
+
+    /// What was uploaded, read back.
+    std::vector<ModelVertex> read_vertices() const;
+    std::vector<std::uint32_t> read_indices() const;
 
     const Eigen::AlignedBox3d& bounds_m() const { return bounds_m_; }
     /// Whether the surface encloses space without a gap, every part of it wound outwards: from outside no back face can
@@ -27,6 +34,8 @@ public:
     bool is_closed() const { return is_closed_; }
 
 private:
+    void attach_visibility();
+
     Buffer vertices_;
     Buffer indices_;
     VertexArray array_;

@@ -9,6 +9,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <vector>
 
@@ -220,24 +221,29 @@ struct FilteredBand {
     Plane edge, point;  // magnitude of the features (§4.3)
 };
 
+/// An image as FLIP reads it: linear Rec.709 light of a display, 0..1, a row at a time.
+struct DisplayedLight {
+    int width = 0, height = 0;
+    std::function<void(int row, float* rgb)> read_row;
+};
+
 class BandFilter {
 public:
-    BandFilter(const Filters& filters, const ColorSpace& space, const std::array<float, 256>& linear_from_code,
-               int width, int rows)
+    BandFilter(const Filters& filters, const ColorSpace& space, int width, int rows)
         : filters_(filters),
           space_(space),
-          linear_from_code_(linear_from_code),
           width_(width),
           radius_(filters.radius()),
           halo_rows_(rows + 2 * radius_),
           planes_(plane_count, Plane(width, halo_rows_)),
           padded_(3, std::vector<float>(static_cast<std::size_t>(width + 2 * radius_))),
+          rgb_(3 * static_cast<std::size_t>(width)),
           column_(static_cast<std::size_t>(width)) {}
 
-    void run(const Image8& image, int first_row, int rows, FilteredBand& result) {
+    void run(const DisplayedLight& image, int first_row, int rows, FilteredBand& result) {
         for (int y = 0; y < rows + 2 * radius_; ++y) {
             // The border repeats.
-            filter_along_row(image, std::clamp(first_row + y - radius_, 0, image.height() - 1), y);
+            filter_along_row(image, std::clamp(first_row + y - radius_, 0, image.height - 1), y);
         }
         for (int y = 0; y < rows; ++y) {
             finish_color(y, result);
@@ -249,16 +255,15 @@ private:
     /// Intermediate planes: the channels filtered along rows.
     enum PlaneName { luma, rg, by_wide, by_narrow, luma_smooth, luma_edge, luma_point, plane_count };
 
-    void filter_along_row(const Image8& image, int source_row, int y) {
+    void filter_along_row(const DisplayedLight& image, int source_row, int y) {
         // YCxCz: the linear opponent space of Kolpatzik & Bouman (1992), here without the factors 116, 500 and 200 and
         // the offset, which the filters pass through: y = Y/Yn, x = X/Xn − Y/Yn, z = Y/Yn − Z/Zn.
-        const std::uint8_t* source = image.pixel(0, source_row);
+        image.read_row(source_row, rgb_.data());
+        const float* source = rgb_.data();
         float* channel[3];
         for (int c = 0; c < 3; ++c) channel[c] = padded_[static_cast<std::size_t>(c)].data();
         for (int x = 0; x < width_; ++x) {
-            const float r = linear_from_code_[source[0]];
-            const float g = linear_from_code_[source[1]];
-            const float b = linear_from_code_[source[2]];
+            const float r = source[0], g = source[1], b = source[2];
             source += 3;
             const float relative_y = product(space_.relative_from_rgb[1], r, g, b);
             channel[0][x + radius_] = relative_y;
@@ -326,12 +331,12 @@ private:
 
     const Filters& filters_;
     const ColorSpace& space_;
-    const std::array<float, 256>& linear_from_code_;
     int width_;
     int radius_;
     int halo_rows_;
     std::vector<Plane> planes_;
     std::vector<std::vector<float>> padded_;
+    std::vector<float> rgb_;
     std::vector<float> column_;
 };
 
@@ -354,21 +359,15 @@ void join_row(const FilteredBand& reference, const FilteredBand& test, int y, in
     }
 }
 
-}  // namespace
-
-ImageF flip_error_map(const Image8& reference, const Image8& test, const FlipOptions& options) {
-    assert(reference.channels() == 3 && test.channels() == 3 && reference.bounds() == test.bounds());
+ImageF error_map(const DisplayedLight& reference, const DisplayedLight& test, const FlipOptions& options) {
+    assert(reference.width == test.width && reference.height == test.height);
     assert(options.pixels_per_degree >= FlipOptions::smallest_pixels_per_degree &&
            options.pixels_per_degree <= FlipOptions::largest_pixels_per_degree);
     const Filters filters = make_filters(options.pixels_per_degree);
-    std::array<float, 256> linear_from_code{};
-    for (std::size_t code = 0; code < 256; ++code) {
-        linear_from_code[code] = static_cast<float>(linear_from_srgb_code(static_cast<double>(code) / 255));
-    }
     const ColorSpace space = make_color_space();
     const float largest = largest_raised_distance(space);
 
-    const int width = reference.width(), height = reference.height();
+    const int width = reference.width, height = reference.height;
     // Bands small enough for the caches, yet much taller than the halo of two radii that each filters again.
     const int band_rows = std::clamp(4 * filters.radius(), 48, 256);
     const int bands = (height + band_rows - 1) / band_rows;
@@ -376,7 +375,7 @@ ImageF flip_error_map(const Image8& reference, const Image8& test, const FlipOpt
     parallel_for(bands, [&](int band) {
         const int first_row = band * band_rows;
         const int rows = std::min(band_rows, height - first_row);
-        BandFilter filter(filters, space, linear_from_code, width, rows);
+        BandFilter filter(filters, space, width, rows);
         FilteredBand filtered_reference(width, rows), filtered_test(width, rows);
         filter.run(reference, first_row, rows, filtered_reference);
         filter.run(test, first_row, rows, filtered_test);
@@ -385,6 +384,32 @@ ImageF flip_error_map(const Image8& reference, const Image8& test, const FlipOpt
         }
     });
     return map;
+}
+
+}  // namespace
+
+ImageF flip_error_map(const Image8& reference, const Image8& test, const FlipOptions& options) {
+    assert(reference.channels() == 3 && test.channels() == 3);
+    std::array<float, 256> linear_from_code{};
+    for (std::size_t code = 0; code < 256; ++code) {
+        linear_from_code[code] = static_cast<float>(linear_from_srgb_code(static_cast<double>(code) / 255));
+    }
+    const auto displayed = [&](const Image8& image) {
+        return DisplayedLight{image.width(), image.height(), [&](int row, float* rgb) {
+                                  for (const std::uint8_t code : image.row(row)) *rgb++ = linear_from_code[code];
+                              }};
+    };
+    return error_map(displayed(reference), displayed(test), options);
+}
+
+ImageF flip_error_map_of_light(const ImageF& reference, const ImageF& test, const FlipOptions& options) {
+    assert(reference.channels() == 3 && test.channels() == 3);
+    const auto displayed = [](const ImageF& image) {
+        return DisplayedLight{image.width(), image.height(), [&image](int row, float* rgb) {
+                                  for (const float light : image.row(row)) *rgb++ = std::clamp(light, 0.0f, 1.0f);
+                              }};
+    };
+    return error_map(displayed(reference), displayed(test), options);
 }
 
 }  // namespace matchlight

@@ -21,4 +21,7 @@ struct FlipOptions {
 /// and of one size. The result does not depend on the number of threads.
 ImageF flip_error_map(const Image8& reference, const Image8& test, const FlipOptions& options = {});
 
+/// The same of the display's linear light, 0..1 (cut to it); no sample may be NaN.
+ImageF flip_error_map_of_light(const ImageF& reference, const ImageF& test, const FlipOptions& options = {});
+
 }  // namespace matchlight

@@ -1,0 +1,36 @@
+// The effects that a report measures on a scene's frame: what each compares and against which reference.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "report/experiment.h"
+#include "report/scene_stage.h"
+
+namespace matchlight {
+
+struct ExperimentOptions {
+    bool quick = false;  // fewer candidates, cheaper references
+};
+
+// Each is absent where the scene does not have what it is about.
+
+/// The shadow on the real surface: directions of light, texels of its maps.
+std::optional<Experiment> contact_shadow_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// Shadows of objects on objects: directions of light, texels of its depth maps.
+std::optional<Experiment> object_shadow_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// Edges and shading of the virtual layer: pixels and samples a plate pixel.
+std::optional<Experiment> antialiasing_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// What a mirror shows of the probe: cube map and sphere map by size.
+std::optional<Experiment> reflection_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// What a glossy surface shows of it: lookups of the rough levels.
+std::optional<Experiment> glossy_experiment(const SceneStage& stage, const ExperimentOptions& options);
+
+struct NamedExperiment {
+    std::string name;  // as --effects takes it
+    std::optional<Experiment> (*make)(const SceneStage&, const ExperimentOptions&);
+};
+const std::vector<NamedExperiment>& all_experiments();
+
+}  // namespace matchlight

@@ -1,0 +1,74 @@
+// Entities, and PNG in base 64 (RFC 4648).
+#include "report/html_text.h"
+
+#include <cassert>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace matchlight {
+namespace {
+
+std::string base64(const std::vector<std::uint8_t>& bytes) {
+    static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+        std::uint32_t bits = 0;
+        for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? bytes[i + k] : 0u);
+        for (std::size_t k = 0; k < 4; ++k) text += k <= count ? digits[bits >> (18 - 6 * k) & 63u] : '=';
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string html_text(const std::string& text) {
+    std::string html;
+    for (const char c : text) {
+        switch (c) {
+            case '&':
+                html += "&amp;";
+                break;
+            case '<':
+                html += "&lt;";
+                break;
+            case '>':
+                html += "&gt;";
+                break;
+            case '"':
+                html += "&quot;";
+                break;
+            default:
+                html += c;
+        }
+    }
+    return html;
+}
+
+std::string embedded_png(const Image8& picture, int most_width_px) {
+    assert(picture.channels() == 1 || picture.channels() == 3);
+    assert(!picture.empty() && most_width_px > 0);
+    const int channels = picture.channels();
+    cv::Mat pixels(picture.height(), picture.width(), channels == 3 ? CV_8UC3 : CV_8UC1);
+    for (int y = 0; y < picture.height(); ++y) {
+        std::uint8_t* out = pixels.ptr<std::uint8_t>(y);
+        for (int x = 0; x < picture.width(); ++x) {
+            // OpenCV keeps blue first.
+            for (int c = 0; c < channels; ++c) out[channels * x + c] = picture.at(x, y, channels - 1 - c);
+        }
+    }
+    if (pixels.cols > most_width_px) {
+        const double scale = static_cast<double>(most_width_px) / pixels.cols;
+        cv::resize(pixels, pixels, {}, scale, scale, cv::INTER_AREA);
+    }
+    std::vector<std::uint8_t> png;
+    if (!cv::imencode(".png", pixels, png)) throw std::runtime_error("a picture of the report cannot be encoded");
+    return "data:image/png;base64," + base64(png);
+}
+
+}  // namespace matchlight

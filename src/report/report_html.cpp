@@ -1,0 +1,181 @@
+// The report as one page that needs nothing else: plots as SVG, pictures inside it.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/version.h"
+#include "report/html_text.h"
+#include "report/pareto_plot.h"
+#include "report/report.h"
+
+namespace matchlight {
+namespace {
+
+constexpr const char* style = R"(
+:root { color-scheme: light; }
+body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #1c2430; background: #fff; margin: 0 auto;
+  max-width: 1180px; padding: 1.5rem 2rem 4rem; }
+h1 { font-size: 1.6rem; margin-bottom: .2rem; }
+h2 { font-size: 1.25rem; margin: 2.6rem 0 .3rem; border-bottom: 1px solid #d5dbe3; padding-bottom: .2rem; }
+p { margin: .3rem 0 .7rem; max-width: 60rem; }
+.note { color: #566274; }
+table { border-collapse: collapse; font-size: 13px; font-variant-numeric: tabular-nums; margin: .6rem 0 1rem; }
+th, td { padding: .22rem .6rem; text-align: right; border-bottom: 1px solid #e6eaf0; white-space: nowrap; }
+th { color: #566274; font-weight: 600; }
+th.word, td.word { text-align: left; white-space: normal; }
+tr.front td:first-child { font-weight: 700; }
+tr.skipped td { color: #566274; font-style: italic; }
+td.pass { color: #1b7f4b; font-weight: 600; } td.fail { color: #b3261e; font-weight: 700; }
+.plot { width: 100%; max-width: 760px; height: auto; display: block; }
+.grid { stroke: #e6eaf0; } .self { stroke: #b3261e; stroke-dasharray: 5 4; }
+.front { fill: none; stroke: #2a62b8; stroke-width: 1.6; } polyline.front { pointer-events: none; }
+.range { stroke: #9fb2cc; stroke-width: 2; }
+.best { fill: #2a62b8; } .other { fill: #fff; stroke: #2a62b8; stroke-width: 1.6; }
+.tick { font-size: 11px; fill: #566274; } .axis { font-size: 12px; fill: #1c2430; } .label { font-size: 11px; fill: #1c2430; }
+.pictures { display: flex; flex-wrap: wrap; gap: .9rem; align-items: flex-start; }
+figure { margin: 0; } figure img { display: block; max-width: 240px; image-rendering: auto; background: #000; }
+figcaption { font-size: 12px; color: #566274; max-width: 240px; }
+pre { font-size: 12px; background: #f5f7fa; padding: .8rem; overflow-x: auto; }
+)";
+
+/// Wide enough to judge by eye, small enough for a page of dozens.
+constexpr int picture_width_px = 480;
+
+std::string cell(const std::optional<double>& value, const char* format = "{:.4g}") {
+    return value ? fmt::format("<td>{}</td>", fmt::format(fmt::runtime(format), *value)) : "<td>–</td>";
+}
+
+std::string word(const std::string& text) {
+    return fmt::format("<td class=\"word\">{}</td>", html_text(text));
+}
+
+std::string figure(const Image8& picture, const std::string& caption) {
+    if (picture.empty()) return {};
+    return fmt::format("<figure><img alt=\"{0}\" src=\"{1}\"><figcaption>{0}</figcaption></figure>", html_text(caption),
+                       embedded_png(picture, picture_width_px));
+}
+
+std::string points_table(const EffectReport& effect) {
+    const std::vector<bool> front = pareto_front(effect.points);
+    std::string html =
+        "<table><tr><th class=\"word\">level</th><th class=\"word\">knobs</th><th>kept in</th><th>ms median</th>"
+        "<th>min</th><th>max</th><th>MB moved</th><th>× bandwidth bound</th><th>FLIP</th><th>HDR-FLIP</th>"
+        "<th>PSNR dB</th><th>relative RMS</th></tr>";
+    for (std::size_t i = 0; i < effect.points.size(); ++i) {
+        const EffectPoint& point = effect.points[i];
+        html += fmt::format("<tr{}>", front[i] ? " class=\"front\"" : "") + word(point.level) +
+                word(knobs_text(point.knobs)) + fmt::format("<td>{}</td>", point.precision) +
+                cell(point.time.median_ms, "{:.3g}") + cell(point.time.min_ms, "{:.3g}") +
+                cell(point.time.max_ms, "{:.3g}") +
+                cell(point.bytes > 0 ? std::optional(point.bytes * 1e-6) : std::nullopt, "{:.3g}") +
+                cell(point.bandwidth_bounds, "{:.3g}") + cell(point.errors.flip) + cell(point.errors.hdr_flip) +
+                cell(point.errors.psnr_db) + cell(point.errors.relative_rms) + "</tr>";
+    }
+    if (const auto& left_out = effect.left_out) {
+        html += fmt::format(
+            "<tr class=\"skipped\"><td class=\"word\">left out</td><td class=\"word\" colspan=\"11\">{}: saves {:.3g} "
+            "ms "
+            "a {}; largest difference of the picture {} of 255</td></tr>",
+            html_text(left_out->condition), left_out->ms_saved, effect.unit == WorkUnit::frame ? "frame" : "clip",
+            left_out->max_code_difference);
+    }
+    return html + "</table>";
+}
+
+std::string effect_section(const EffectReport& effect) {
+    std::string html = fmt::format("<h2 id=\"{0}\">{0}</h2><p>{1}</p>", html_text(effect.name), html_text(effect.what));
+    if (!effect.left_out_of_frame.empty()) {
+        html +=
+            fmt::format("<p><strong>This frame leaves it out:</strong> {}.</p>", html_text(effect.left_out_of_frame));
+    }
+    if (!effect.reference.empty()) {
+        html += fmt::format("<p class=\"note\">Reference: {}.", html_text(effect.reference));
+        if (effect.reference_self_error_flip) {
+            html += fmt::format(" Half its effort differs from it by FLIP {:.2g}.", *effect.reference_self_error_flip);
+        }
+        html += fmt::format(" Errors are means over {}×{} pixels.</p>", effect.region.width, effect.region.height);
+    }
+    html += pareto_plot_svg(effect) + points_table(effect) + "<div class=\"pictures\">" +
+            figure(effect.reference_picture, "reference");
+    for (const EffectPoint& point : effect.points) {
+        html += figure(point.picture, point.level) + figure(point.flip_map, point.level + ": FLIP");
+    }
+    return html + "</div>";
+}
+
+std::string stability_section(const std::vector<StabilityRow>& rows) {
+    if (rows.empty()) return {};
+    const auto passed = std::ranges::count_if(rows, [](const StabilityRow& row) { return row.pass; });
+    std::string html = fmt::format(
+        "<h2 id=\"stability\">Stability</h2><p>{} of {} stiff and extreme cases stay within their "
+        "bounds.</p><table><tr>"
+        "<th class=\"word\">part</th><th class=\"word\">case</th><th class=\"word\">bound</th><th>value</th>"
+        "<th>energy kept</th><th></th></tr>",
+        passed, rows.size());
+    for (const StabilityRow& row : rows) {
+        html += "<tr>" + word(row.effect) + word(row.name) + word(row.bound) + cell(row.value) +
+                cell(row.energy_kept, "{:.6g}") +
+                fmt::format("<td class=\"{0}\">{0}</td></tr>", row.pass ? "pass" : "fail");
+    }
+    return html + "</table>";
+}
+
+std::string truth_section(const std::vector<TruthRow>& rows) {
+    if (rows.empty()) return {};
+    std::string html =
+        "<h2 id=\"truth\">Whole frame against the truth</h2><p>FLIP inside the region that the objects change.</p>"
+        "<table><tr><th class=\"word\">level</th><th>ms median</th><th>min</th><th>max</th><th>FLIP</th></tr>";
+    for (const TruthRow& row : rows) {
+        html += "<tr>" + word(row.level) + cell(row.time.median_ms, "{:.3g}") + cell(row.time.min_ms, "{:.3g}") +
+                cell(row.time.max_ms, "{:.3g}") + cell(row.flip_in) + "</tr>";
+    }
+    return html + "</table>";
+}
+
+std::string budget_section(const std::vector<BudgetRow>& rows) {
+    if (rows.empty()) return {};
+    std::string html =
+        "<h2 id=\"budget\">Budgets</h2><p>What this machine's table chooses for this frame, predicted and measured.</p>"
+        "<table><tr><th>budget ms</th><th>predicted ms</th><th>measured ms</th><th class=\"word\">choice</th></tr>";
+    for (const BudgetRow& row : rows) {
+        html += "<tr>" + cell(row.budget_ms, "{:.3g}") + cell(row.predicted_ms, "{:.3g}") +
+                cell(row.measured_ms, "{:.3g}") + word(row.choice) + "</tr>";
+    }
+    return html + "</table>";
+}
+
+}  // namespace
+
+std::string report_html(const Report& report) {
+    const Machine& machine = report.machine;
+    const std::string title =
+        report.scene.empty() ? "Stability" : fmt::format("Error against run time: {}", report.scene);
+    std::string html = fmt::format(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Matchlight: {0}</title>"
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><style>{1}</style></head><body>"
+        "<h1>{0}</h1>",
+        html_text(title), style);
+    if (!report.scene.empty()) html += fmt::format("<p>Frame {}, {}×{}. ", report.frame, report.width, report.height);
+    html += fmt::format(
+        "{}Matchlight {} on {} (OpenGL {}), {} cores; times by {}; a copy moves {:.1f} GB/s, the bound that no pass "
+        "can beat.</p>",
+        report.scene.empty() ? "<p>" : "", version, html_text(machine.renderer), html_text(machine.gl_version),
+        machine.cores, machine.timer_queries ? "timer queries" : "the wall clock between two glFinish",
+        machine.copy_bytes_per_second * 1e-9);
+    if (!report.effects.empty()) {
+        html +=
+            "<p class=\"note\">Each level and knob is held against a converged reference of its effect: the lower left "
+            "is "
+            "where to be. Filled points are the ones that no other beats in both. Runs are interleaved, so that what "
+            "else "
+            "the machine does hits all alike.</p>";
+    }
+    for (const EffectReport& effect : report.effects) html += effect_section(effect);
+    html += truth_section(report.truth) + budget_section(report.budget) + stability_section(report.stability);
+    if (!report.provenance.empty()) {
+        html += fmt::format("<h2>Settings</h2><pre>{}</pre>", html_text(report.provenance));
+    }
+    return html + "</body></html>\n";
+}
+
+}  // namespace matchlight

@@ -1,0 +1,31 @@
+// Times several ways to do one thing against each other.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "report/report.h"
+
+namespace matchlight {
+
+enum class Stopwatch {
+    gpu,  // drawing alone: timer queries where they can be trusted
+    wall  // all of it, on both sides of the bus
+};
+
+struct TimingOptions {
+    int repeats = 7;
+    /// A way that has taken this long in all is run no more, after three times.
+    double most_seconds = 20;
+};
+
+/// Runs each once untimed (programs compile), then all of them in turn, so that what else the machine does hits all
+/// alike. Needs a current context.
+std::vector<RunTime> time_in_turn(std::span<const std::function<void()>> works, Stopwatch stopwatch,
+                                  const TimingOptions& options);
+
+/// Median, least and largest of at least one sample.
+RunTime run_time_of(std::vector<double> samples_ms);
+
+}  // namespace matchlight

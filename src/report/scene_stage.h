@@ -1,0 +1,45 @@
+// One frame of a scene with all that measuring needs: solve, plate, light, and compositors of any quality.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "calibration/response.h"
+#include "compositor/compositor.h"
+#include "core/warnings.h"
+#include "gl/context.h"
+#include "gl/shader_library.h"
+#include "lighting/probe.h"
+#include "report/run_time.h"
+#include "scene/scene_file.h"
+#include "tracking/solve_file.h"
+
+namespace matchlight {
+
+struct SceneStage {
+    /// Without `frame` the first that has a pose. Throws InputError: no solve, no such frame, a frame without a pose.
+    SceneStage(GlContext& gl_context, const Scene& the_scene, std::optional<std::int64_t> frame,
+               Warnings& the_warnings);
+
+    GlContext& context;
+    Warnings& warnings;
+    Scene scene;
+    Solve solve;
+    std::optional<PlateFrame> plate;  // always there
+    Probe probe;                      // placed
+    Response response;                // the plate's
+    mutable ShaderLibrary shaders;
+
+    std::unique_ptr<Compositor> compositor(const Quality& quality, bool layers) const;
+    std::unique_ptr<Compositor> compositor(const Scene& changed, const Quality& quality, bool layers) const;
+    const SolvedFrame& solved() const;
+
+    /// 8-bit code values of plate-linear light, as the footage's camera would give them.
+    Image8 code_of(const ImageF& light) const;
+};
+
+/// The part of an image that a region names.
+ImageF cropped(const ImageF& image, const Region& region);
+
+}  // namespace matchlight
