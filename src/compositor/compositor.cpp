@@ -117,11 +117,13 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
 }
 
 void Compositor::Impl::place_objects(const Scene& scene, Warnings& the_warnings) {
+    const bool shade_each_other =
+        quality.object_shadow.directions > 0 && std::ranges::any_of(scene.objects, &ObjectSettings::casts_shadow);
     int id = 0;
     for (const ObjectSettings& object : scene.objects) {
         Model model =
             object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, the_warnings);
-        if (quality.object_shadow.directions > 0) shorten_edges(model);
+        if (shade_each_other) shorten_edges(model);
         surfaces.add_object({.model = &model,
                              .world_from_model = world_from_model(object, solve, scene.path),
                              .material = object.material,

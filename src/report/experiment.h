@@ -14,7 +14,7 @@ namespace matchlight {
 
 struct Candidate {
     EffectPoint point;                // its level, knobs and precision
-    std::function<void()> work;       // what is timed
+    std::function<void()> work;       // what is timed; empty: it takes no time
     std::function<ImageF()> picture;  // linear light, RGB, over the experiment's region
 };
 

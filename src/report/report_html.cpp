@@ -22,7 +22,8 @@ p { margin: .3rem 0 .7rem; max-width: 60rem; }
 table { border-collapse: collapse; font-size: 13px; font-variant-numeric: tabular-nums; margin: .6rem 0 1rem; }
 th, td { padding: .22rem .6rem; text-align: right; border-bottom: 1px solid #e6eaf0; white-space: nowrap; }
 th { color: #566274; font-weight: 600; }
-th.word, td.word { text-align: left; white-space: normal; }
+th.word, td.word { text-align: left; }
+td.long { white-space: normal; min-width: 18rem; }
 tr.front td:first-child { font-weight: 700; }
 tr.skipped td { color: #566274; font-style: italic; }
 td.pass { color: #1b7f4b; font-weight: 600; } td.fail { color: #b3261e; font-weight: 700; }
@@ -49,6 +50,10 @@ std::string word(const std::string& text) {
     return fmt::format("<td class=\"word\">{}</td>", html_text(text));
 }
 
+std::string long_words(const std::string& text) {
+    return fmt::format("<td class=\"word long\">{}</td>", html_text(text));
+}
+
 std::string figure(const Image8& picture, const std::string& caption) {
     if (picture.empty()) return {};
     return fmt::format("<figure><img alt=\"{0}\" src=\"{1}\"><figcaption>{0}</figcaption></figure>", html_text(caption),
@@ -73,7 +78,8 @@ std::string points_table(const EffectReport& effect) {
     }
     if (const auto& left_out = effect.left_out) {
         html += fmt::format(
-            "<tr class=\"skipped\"><td class=\"word\">left out</td><td class=\"word\" colspan=\"11\">{}: saves {:.3g} "
+            "<tr class=\"skipped\"><td class=\"word\">left out</td><td class=\"word long\" colspan=\"11\">{}: saves "
+            "{:.3g} "
             "ms "
             "a {}; largest difference of the picture {} of 255</td></tr>",
             html_text(left_out->condition), left_out->ms_saved, effect.unit == WorkUnit::frame ? "frame" : "clip",
@@ -113,7 +119,7 @@ std::string stability_section(const std::vector<StabilityRow>& rows) {
         "<th>energy kept</th><th></th></tr>",
         passed, rows.size());
     for (const StabilityRow& row : rows) {
-        html += "<tr>" + word(row.effect) + word(row.name) + word(row.bound) + cell(row.value) +
+        html += "<tr>" + word(row.effect) + long_words(row.name) + long_words(row.bound) + cell(row.value) +
                 cell(row.energy_kept, "{:.6g}") +
                 fmt::format("<td class=\"{0}\">{0}</td></tr>", row.pass ? "pass" : "fail");
     }
@@ -139,7 +145,7 @@ std::string budget_section(const std::vector<BudgetRow>& rows) {
         "<table><tr><th>budget ms</th><th>predicted ms</th><th>measured ms</th><th class=\"word\">choice</th></tr>";
     for (const BudgetRow& row : rows) {
         html += "<tr>" + cell(row.budget_ms, "{:.3g}") + cell(row.predicted_ms, "{:.3g}") +
-                cell(row.measured_ms, "{:.3g}") + word(row.choice) + "</tr>";
+                cell(row.measured_ms, "{:.3g}") + long_words(row.choice) + "</tr>";
     }
     return html + "</table>";
 }

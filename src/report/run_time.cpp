@@ -42,9 +42,12 @@ std::vector<RunTime> time_in_turn(std::span<const std::function<void()>> works, 
                                   const TimingOptions& options) {
     constexpr std::size_t enough = 3;
     std::vector<std::vector<double>> samples(works.size());
-    for (const auto& work : works) work();
+    for (const auto& work : works) {
+        if (work) work();
+    }
     for (int repeat = 0; repeat < options.repeats; ++repeat) {
         for (std::size_t i = 0; i < works.size(); ++i) {
+            if (!works[i]) continue;
             if (stop_requested()) throw InputError("", "stopped by a signal");
             const double spent_ms = std::accumulate(samples[i].begin(), samples[i].end(), 0.0);
             if (samples[i].size() >= enough && spent_ms > options.most_seconds * 1e3) continue;
@@ -52,7 +55,7 @@ std::vector<RunTime> time_in_turn(std::span<const std::function<void()>> works, 
         }
     }
     std::vector<RunTime> times;
-    for (std::vector<double>& one : samples) times.push_back(run_time_of(std::move(one)));
+    for (std::vector<double>& one : samples) times.push_back(one.empty() ? RunTime{} : run_time_of(std::move(one)));
     return times;
 }
 

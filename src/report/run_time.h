@@ -21,7 +21,7 @@ struct TimingOptions {
 };
 
 /// Runs each once untimed (programs compile), then all of them in turn, so that what else the machine does hits all
-/// alike. Needs a current context.
+/// alike. Empty ones take no time. Needs a current context.
 std::vector<RunTime> time_in_turn(std::span<const std::function<void()>> works, Stopwatch stopwatch,
                                   const TimingOptions& options);
 

@@ -10,20 +10,10 @@
 #include "core/parallel.h"
 #include "media/frame_source.h"
 #include "scene/footage_options.h"
-#include "tracking/solve_freshness.h"
+#include "tracking/scene_solve.h"
 
 namespace matchlight {
 namespace {
-
-Solve solve_of(const Scene& scene, Warnings& warnings) {
-    const std::filesystem::path& path = scene.footage.solve;
-    if (!std::filesystem::exists(path)) {
-        throw InputError(path, "no such solve file", fmt::format("run: matchlight track {}", scene.path.string()));
-    }
-    Solve solve = load_solve(path);
-    check_solve_is_of_scene(solve, scene, warnings);
-    return solve;
-}
 
 std::int64_t frame_to_measure(const Solve& solve, std::optional<std::int64_t> wanted) {
     if (wanted) {
@@ -39,11 +29,10 @@ std::int64_t frame_to_measure(const Solve& solve, std::optional<std::int64_t> wa
 }
 
 PlateFrame plate_of(const Scene& scene, std::int64_t frame, Warnings& warnings) {
-    const std::unique_ptr<FrameSource> source =
-        FrameSource::open(scene.footage.video, footage_options(scene.footage, false), warnings);
+    const std::unique_ptr<FrameSource> source = open_frames(scene, false, warnings);
     if (frame > 0) source->seek(frame);
     std::optional<PlateFrame> plate = source->next();
-    if (!plate || plate->index() != frame) throw InputError(scene.footage.video, frame, "cannot be decoded");
+    if (!plate || plate->index() != frame) throw InputError(source->info().path, frame, "cannot be decoded");
     return std::move(*plate);
 }
 
@@ -67,7 +56,7 @@ SceneStage::SceneStage(GlContext& gl_context, const Scene& the_scene, std::optio
     : context(gl_context),
       warnings(the_warnings),
       scene(the_scene),
-      solve(solve_of(scene, warnings)),
+      solve(solve_of_scene(scene, warnings)),
       plate(plate_of(scene, frame_to_measure(solve, frame), warnings)),
       probe(probe_of(scene, warnings)),
       response(response_of(plate->format(), solve)) {}

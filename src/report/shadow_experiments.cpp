@@ -129,7 +129,7 @@ std::optional<Experiment> contact_shadow_experiment(const SceneStage& stage, con
     }
     const FrameLayers& frame = *layers->layers;
     experiment.report.region = frame.region;
-    const int rays = options.quick ? 512 : 4096;
+    const int rays = options.quick ? 256 : 4096;
     experiment.report.reference = fmt::format("{} rays a pixel towards the probe's light, in double precision", rays);
     experiment.reference = with_ratio(frame, *plate_linear, reference_ratio(stage, *objects, frame.region, rays));
     experiment.coarse_reference =
@@ -172,16 +172,15 @@ std::optional<Experiment> contact_shadow_experiment(const SceneStage& stage, con
         if (choice.label == "final") {
             experiment.left_out = LeftOutTrial{.condition = "no object casts a shadow on the surface",
                                                .drawn = experiment.candidates.size(),
-                                               .skipped = [] {},
-                                               .code_difference =
-                                                   [&stage, quality] {
-                                                       const Scene open = without_casters(stage.scene);
-                                                       Scene off = open;
-                                                       off.surface.shadow = false;
-                                                       const auto a = stage.compositor(open, quality, false);
-                                                       const auto b = stage.compositor(off, quality, false);
-                                                       return difference_of_frames(stage, *a, *b);
-                                                   }};
+                                               .skipped = {},
+                                               .code_difference = [&stage, quality] {
+                                                   const Scene open = without_casters(stage.scene);
+                                                   Scene off = open;
+                                                   off.surface.shadow = false;
+                                                   const auto a = stage.compositor(open, quality, false);
+                                                   const auto b = stage.compositor(off, quality, false);
+                                                   return difference_of_frames(stage, *a, *b);
+                                               }};
         }
         experiment.candidates.push_back(std::move(candidate));
     }
@@ -285,7 +284,7 @@ std::optional<Experiment> object_shadow_experiment(const SceneStage& stage, cons
     }
     const Region region = frame.layers->region;
     experiment.report.region = region;
-    const int rays = options.quick ? 512 : 2048;
+    const int rays = options.quick ? 256 : 2048;
     experiment.report.reference = fmt::format("{} rays a vertex towards the probe's light, in double precision", rays);
     experiment.reference = picture_with(stage, *objects, reference_visibility(stage, *objects, rays), region);
     experiment.coarse_reference =
@@ -315,31 +314,30 @@ std::optional<Experiment> object_shadow_experiment(const SceneStage& stage, cons
             const Region& held = composited.layers->region;
             return cropped(composited.layers->beauty, region.moved(-held.x, -held.y));
         };
-        candidate.work = [&stage, objects, settings = quality.object_shadow] {
-            if (settings.directions == 0) return;
-            ShaderLibrary& shaders = stage.shaders;
-            const ObjectShadow shadow(shaders, objects->shadow_casters(),
-                                      sample_directions(stage.probe, settings.directions, -1, false), settings);
-            Program& bake = shaders.compute("effects/object_shadow/bake.comp");
-            bake.use();
-            bake.set("surface_shadow_present", 0);
-            bake.set("surface_is_near", 0);
-            shadow.bind(bake, SurfaceShading::first_free_unit + 2);
-            objects->compositor->surfaces().bake_visibility(bake);
-        };
+        if (choice.directions > 0)
+            candidate.work = [&stage, objects, settings = quality.object_shadow] {
+                ShaderLibrary& shaders = stage.shaders;
+                const ObjectShadow shadow(shaders, objects->shadow_casters(),
+                                          sample_directions(stage.probe, settings.directions, -1, false), settings);
+                Program& bake = shaders.compute("effects/object_shadow/bake.comp");
+                bake.use();
+                bake.set("surface_shadow_present", 0);
+                bake.set("surface_is_near", 0);
+                shadow.bind(bake, SurfaceShading::first_free_unit + 2);
+                objects->compositor->surfaces().bake_visibility(bake);
+            };
         if (choice.label == "final") {
             experiment.left_out = LeftOutTrial{.condition = "no object casts a shadow",
                                                .drawn = experiment.candidates.size(),
-                                               .skipped = [] {},
-                                               .code_difference =
-                                                   [&stage, quality] {
-                                                       const Scene open = without_casters(stage.scene);
-                                                       Quality off = quality;
-                                                       off.object_shadow.directions = 0;
-                                                       const auto a = stage.compositor(open, quality, false);
-                                                       const auto b = stage.compositor(open, off, false);
-                                                       return difference_of_frames(stage, *a, *b);
-                                                   }};
+                                               .skipped = {},
+                                               .code_difference = [&stage, quality] {
+                                                   const Scene open = without_casters(stage.scene);
+                                                   Quality off = quality;
+                                                   off.object_shadow.directions = 0;
+                                                   const auto a = stage.compositor(open, quality, false);
+                                                   const auto b = stage.compositor(open, off, false);
+                                                   return difference_of_frames(stage, *a, *b);
+                                               }};
         }
         experiment.candidates.push_back(std::move(candidate));
     }

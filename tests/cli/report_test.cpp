@@ -1,0 +1,144 @@
+// `matchlight report` on the sample shot: its three files, and what it refuses.
+#include <algorithm>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "run_matchlight.h"
+
+namespace matchlight::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class ReportTest : public CommandTest {
+protected:
+    void SetUp() override {
+        shot_ = scratch_.copy_sample("table");
+        scene_ = shot_ / "table.toml";
+    }
+    void track() const { ASSERT_TRUE(succeeded(run_matchlight({"track", scene_}))); }
+
+    RunResult report(const fs::path& folder, const std::vector<std::string>& more) const {
+        std::vector<std::string> call{"report", scene_, "-o", folder};
+        call.insert(call.end(), more.begin(), more.end());
+        RunOptions options;
+        options.timeout = std::chrono::seconds(280);
+        return run_matchlight(call, options);
+    }
+
+    fs::path shot_, scene_;
+};
+
+void expect_number_or_null(const json& object, const char* key) {
+    ASSERT_TRUE(object.contains(key)) << key;
+    EXPECT_TRUE(object[key].is_number() || object[key].is_null()) << key;
+}
+
+void expect_schema(const json& effect) {
+    expect_number_or_null(effect, "reference_self_error_flip");
+    for (const json& point : effect["points"]) {
+        EXPECT_TRUE(point["level"].is_string());
+        EXPECT_TRUE(point["knobs"].is_object());
+        EXPECT_TRUE(point["precision"] == "16F" || point["precision"] == "32F");
+        EXPECT_LE(point["ms_min"], point["ms_median"]);
+        EXPECT_LE(point["ms_median"], point["ms_max"]);
+        for (const char* key : {"bandwidth_bounds", "flip", "hdr_flip", "psnr_db", "relative_rms"}) {
+            expect_number_or_null(point, key);
+        }
+    }
+    if (effect["left_out"].is_object()) {
+        EXPECT_TRUE(effect["left_out"]["ms_saved"].is_number());
+        EXPECT_EQ(effect["left_out"]["max_code_difference"], 0);
+    }
+}
+
+/// FLIP by level.
+std::map<std::string, double> errors_of(const json& effect) {
+    std::map<std::string, double> errors;
+    for (const json& point : effect["points"]) errors[point["level"]] = point["flip"];
+    return errors;
+}
+
+TEST_F(ReportTest, WritesPageTableAndJson) {
+    track();
+    const fs::path folder = scratch_ / "report";
+    const RunResult result =
+        report(folder, {"--quick", "--repeats", "1", "--effects", "antialiasing,contact_shadow,object_shadow",
+                        "--frame", "6", "--truth", shot_ / "truth_%03d.png", "--json"});
+    ASSERT_TRUE(succeeded(result));
+    const json written = json::parse(bytes_of(folder / "report.json"));
+    EXPECT_EQ(written, json::parse(result.standard_output));
+    EXPECT_EQ(written["matchlight_report"], 1);
+    EXPECT_EQ(written["scene"], "table.toml");
+    EXPECT_EQ(written["frame"], 6);
+    EXPECT_TRUE(written["machine"]["renderer"].is_string());
+    ASSERT_EQ(written["effects"].size(), 3u);
+    for (const json& effect : written["effects"]) expect_schema(effect);
+
+    // Each ladder falls: more samples, more directions are nearer to the reference.
+    const auto samples = errors_of(written["effects"]["antialiasing"]);
+    EXPECT_GT(samples.at("draft, preview"), samples.at("final"));
+    EXPECT_GT(samples.at("final"), samples.at("reference"));
+    for (const char* shadow : {"contact_shadow", "object_shadow"}) {
+        const auto errors = errors_of(written["effects"][shadow]);
+        EXPECT_GT(errors.at("draft"), errors.at("preview")) << shadow;
+        EXPECT_GT(errors.at("preview"), errors.at("final")) << shadow;
+    }
+    ASSERT_EQ(written["frame_error_against_truth"].size(), 3u);
+    for (const json& row : written["frame_error_against_truth"]) {
+        EXPECT_GT(row["ms_median"], 0);
+        EXPECT_GT(row["flip_in"], 0);
+        EXPECT_LT(row["flip_in"], 1);
+    }
+
+    const std::string page = bytes_of(folder / "report.html");
+    EXPECT_NE(page.find("<svg"), std::string::npos);
+    for (const char* reference : {"src=\"http", "href=\"http", "url(", "<script", "<link", "@import"}) {
+        EXPECT_EQ(page.find(reference), std::string::npos) << reference;
+    }
+    std::istringstream csv(bytes_of(folder / "report.csv"));
+    std::string line;
+    std::size_t rows = 0;
+    while (std::getline(csv, line)) ++rows;
+    std::size_t points = 0;
+    for (const json& effect : written["effects"]) points += effect["points"].size() + effect["left_out"].is_object();
+    EXPECT_EQ(rows, 1 + points);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 3);
+}
+
+TEST_F(ReportTest, DoesNotReplaceAReportUnasked) {
+    track();
+    const fs::path folder = scratch_ / "report";
+    fs::create_directory(folder);
+    const fs::path page = scratch_.write("report/report.html", "mine");
+    EXPECT_TRUE(failed_naming(report(folder, {"--quick"}), {"report.html", "--overwrite"}));
+    EXPECT_EQ(bytes_of(page), "mine");
+    EXPECT_FALSE(fs::exists(folder / "report.json"));
+}
+
+TEST_F(ReportTest, LeavesNothingBehindWhenItFails) {
+    const fs::path folder = scratch_ / "report";
+    EXPECT_TRUE(failed_naming(report(folder, {"--quick"}), {"solve", "matchlight track"}));
+    EXPECT_FALSE(fs::exists(folder));
+    track();
+    EXPECT_TRUE(failed_naming(report(folder, {"--frame", "5000"}), {"5000"}));
+    EXPECT_FALSE(fs::exists(folder));
+    EXPECT_TRUE(failed_naming(report(scratch_ / "no" / "folder", {}), {"folder"}));
+    EXPECT_TRUE(failed_naming(report(folder, {"--truth", scratch_ / "none_%03d.png"}), {"none_000.png"}));
+    EXPECT_FALSE(fs::exists(folder));
+}
+
+TEST_F(ReportTest, RefusesWrongCalls) {
+    EXPECT_TRUE(refused_call(run_matchlight({"report", scene_})));
+    EXPECT_TRUE(refused_call(report(scratch_ / "report", {"--effects", "blum"})));
+    EXPECT_TRUE(refused_call(report(scratch_ / "report", {"--repeats", "0"})));
+    EXPECT_TRUE(refused_call(report(scratch_ / "report", {"--frame", "-1"})));
+}
+
+}  // namespace
+}  // namespace matchlight::test
