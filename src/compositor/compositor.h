@@ -53,8 +53,8 @@ struct CompositorOptions {
     QualityLevel quality = QualityLevel::final_;
     std::optional<Quality> settings = {};  // instead of what `quality` means
     bool layers = false;                   // also return FrameLayers
-    bool leave_out = true;                 // false: draw what could be left out, too; the result is the same, bit for bit
-    bool timed = false;                    // time every pass, for reports(); waits for the GPU at each
+    bool leave_out = true;  // false: draw what could be left out, too; the result is the same, bit for bit
+    bool timed = false;     // time every pass, for reports(); waits for the GPU at each
 };
 
 class Compositor {
