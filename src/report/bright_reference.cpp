@@ -12,18 +12,10 @@ constexpr double largest_half = 65504;
 
 using Color = std::array<double, 3>;
 
-/// NaN and less than nothing are dark; too much keeps its colour.
+/// NaN and less than nothing are dark; what is more than a half float holds is as much as it holds.
 Color repaired(const float* light) {
     Color color{};
-    double largest = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-        const double value = light[c];
-        color[c] = value > 0 ? std::min(value, 1e30) : 0;
-        largest = std::max(largest, color[c]);
-    }
-    if (largest > largest_half) {
-        for (double& value : color) value *= largest_half / largest;
-    }
+    for (std::size_t c = 0; c < 3; ++c) color[c] = light[c] > 0 ? std::min<double>(light[c], largest_half) : 0;
     return color;
 }
 
@@ -77,8 +69,7 @@ ImageD reference_bright_light(const ImageF& after, const ImageF& before, const B
             const Color added = bright(with_objects, settings);
             const Color taken = takes_away ? bright(before.pixel(x, y), settings) : Color{};
             for (std::size_t c = 0; c < 3; ++c) {
-                light.at(x, y, static_cast<int>(c)) =
-                    std::clamp(added[c] * counts - taken[c], -largest_half, largest_half);
+                light.at(x, y, static_cast<int>(c)) = added[c] * counts - taken[c];
             }
         }
     }

@@ -1,15 +1,13 @@
 #version 450 core
-// Light above the threshold with the objects, less that without them: its mean over SCALE × SCALE frame pixels.
+// Light above the threshold with the objects, less that without them: its mean over SCALE × SCALE frame pixels. Texels
+// without such light are not written: the target was cleared.
 #include "common/condition.glsl"
 #include "common/graph.glsl"
 
-uniform sampler2D after;   // RGB light, a: share of it that objects send
+uniform sampler2D after;  // RGB light, a: share of it that objects send
 uniform ivec4 after_region;
-uniform int after_scale;
-#ifdef TAKES_AWAY
 uniform sampler2D before;
 uniform ivec4 before_region;
-#endif
 uniform float threshold;
 uniform float knee_half_width;  // of the threshold
 uniform vec2 share;             // of `after` that counts: x + a·y
@@ -19,16 +17,10 @@ out vec4 difference;
 
 const float largest_half = 65504.0;
 
-// What can be light: no NaN (every comparison with it fails), nothing negative, at most what a half float holds, in
-// its own colour.
-vec3 repaired(vec3 light) {
-    light = mix(vec3(0.0), min(light, vec3(1e30)), greaterThan(light, vec3(0.0)));
-    return light * (largest_half / max(largest_half, max(light.r, max(light.g, light.b))));
-}
-
-// bright_share() of render/effects/bright_light.h. Luminance: Rec. 709 in the digits of the classic model.
+// bright_share() of render/effects/bright_light.h, of what can be light: not NaN, not negative, at most what a half
+// float holds. Luminance: Rec. 709 in the digits of the classic model.
 vec3 bright(vec3 light) {
-    light = repaired(light);
+    light = mix(vec3(0.0), min(light, largest_half), greaterThan(light, vec3(0.0)));
     float m = mix(max(light.r, max(light.g, light.b)), dot(light, vec3(0.2125, 0.7154, 0.0721)), measure_luminance);
     float in_knee = clamp(m - threshold + knee_half_width, 0.0, 2.0 * knee_half_width);
     float over = max(m - threshold, in_knee * in_knee / max(4.0 * knee_half_width, 1e-30));
@@ -42,15 +34,35 @@ vec3 difference_at(ivec2 place) {  // counts from after's first texel
 #ifdef TAKES_AWAY
     light -= bright(fetch_or_zero(before, before_region, place + after_region.xy).rgb);
 #endif
-    return clamp(light, -largest_half, largest_half);
+    return light;
 }
 
 bool is_dark(ivec2 place) {
     return any(lessThan(place, ivec2(0))) || any(greaterThanEqual(place, after_region.zw));
 }
 
+// The largest channel anywhere in the texel.
+float brightest(ivec2 first) {
+    // A texel that the region's edge cuts through looks at whole pixels inside of it instead: its own are among them.
+    first = clamp(first, ivec2(0), after_region.zw - SCALE);
+    ivec2 first_before = first + after_region.xy - before_region.xy;
+    vec3 most = vec3(0.0);
+    for (int y = 0; y < SCALE; ++y) {
+        for (int x = 0; x < SCALE; ++x) {
+            most = max(most, texelFetch(after, first + ivec2(x, y), 0).rgb);
+#ifdef TAKES_AWAY
+            most = max(most, texelFetch(before, first_before + ivec2(x, y), 0).rgb);
+#endif
+        }
+    }
+    return max(most.r, max(most.g, most.b));
+}
+
 void main() {
     ivec2 first = target_texel() * SCALE - after_region.xy;
+    // Most texels have no bright light and end here: on a processor that is what the pass costs.
+    bool is_whole = all(greaterThanEqual(after_region.zw, ivec2(SCALE)));
+    if (is_whole && brightest(first) <= threshold - knee_half_width) discard;
     vec3 sum = vec3(0.0);
 #ifdef FIREFLY_LIMIT
     // Blocks count from the frame's corner, so that every scale weighs a pixel alike.

@@ -16,6 +16,7 @@ struct BrightPassSettings {
     BrightShare share = BrightShare::all;
     double object_strength = 1;  // of what objects send
     BrightMeasure measure = BrightMeasure::largest_channel;
+    bool full_float = false;  // 32 bits a channel instead of 16
 };
 
 /// A pixel alone in its block of 4×4 counts for no more than about this much light; a block that is bright throughout

@@ -29,13 +29,14 @@ GraphTexture add_bright_pass(RenderGraph& graph, ShaderLibrary& shaders, const F
     pass.name = name;
     pass.reads = {{light.after}};
     if (takes_away) pass.reads.push_back({light.before});
-    pass.writes = {GL_RGBA16F};
+    pass.writes = {settings.full_float ? GLenum{GL_RGBA32F} : GLenum{GL_RGBA16F}};
     pass.scale = scale;
     // Outside of `after` nothing was added or taken away, whatever `before` holds there.
     pass.region = graph.reached({light.after}, scale);
     pass.sets = &bright;
     pass.draw = [&program, light, settings, takes_away](PassRun& run) {
         program.use();
+        run.target().clear_color(0, 0, 0, 0, 0);
         run.bind(program, "after", 0, light.after);
         if (takes_away) run.bind(program, "before", 1, light.before);
         program.set("threshold", settings.threshold);

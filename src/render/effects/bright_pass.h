@@ -7,7 +7,7 @@
 
 namespace matchlight {
 
-/// Writes D = bright(after) · (object_strength in the share a that objects send) − bright(before), RGBA16F, one texel
+/// Writes D = bright(after) · (object_strength in the share a that objects send) − bright(before), one texel
 /// for `scale` × `scale` frame pixels: the threshold first, then the mean, so that D's sum does not depend on the
 /// scale. `objects` takes bright(after) · a · object_strength alone, `rest` what is left of D then. Pixels outside of
 /// the frame are dark. Channels are held to ±65504, NaN counts as 0. Meets `bright` where any D is not 0. A
