@@ -13,12 +13,22 @@
 namespace matchlight {
 namespace {
 
+/// 0: no effects of bright light; 1: asked for, but nothing is bright enough; 2: reflections on the objects are.
+EffectSettings effects_of(int use) {
+    EffectSettings effects;
+    if (use == 0) return effects;
+    effects.bloom.emplace().threshold = use == 1 ? 1e5 : 0.25;
+    effects.glare.emplace().threshold = use == 1 ? 1e5 : 0.5;
+    return effects;
+}
+
 void composite(benchmark::State& state) {
     const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
     Warnings warnings;
     warnings.set_quiet(true);
     const std::filesystem::path folder = std::filesystem::path(MATCHLIGHT_SOURCE_DIR) / "samples/table";
-    const Scene scene = load_scene(folder / "table.toml", warnings);
+    Scene scene = load_scene(folder / "table.toml", warnings);
+    scene.effects = effects_of(static_cast<int>(state.range(3)));
     Solve solve;
     solve.camera = camera_for_size(load_camera(folder / "camera.yaml"), width, height, folder / "camera.yaml");
     SolvedFrame frame;
@@ -33,9 +43,10 @@ void composite(benchmark::State& state) {
     state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(composite)
-    ->ArgNames({"width", "height", "level"})
-    ->ArgsProduct({{1920}, {1080}, {0, 1, 2}})
-    ->Args({640, 360, 2})
+    ->ArgNames({"width", "height", "level", "effects"})
+    ->ArgsProduct({{1920}, {1080}, {0, 1, 2}, {0}})
+    ->ArgsProduct({{640}, {360}, {2}, {0, 1, 2}})
+    ->ArgsProduct({{1920}, {1080}, {2}, {1, 2}})
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
