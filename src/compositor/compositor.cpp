@@ -103,7 +103,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
       warnings(the_warnings),
       surfaces(shaders),
       lens_map(make_lens_map(solve.camera)),
-      effects(shaders, scene.effects) {
+      effects(shaders, scene.effects, the_options.quality) {
     place_objects(scene, warnings);
     light.emplace(shaders, surfaces, scene, quality, warnings);
     if (scene.camera) {
@@ -256,7 +256,7 @@ CompositedFrame Compositor::composite(PlateFrame plate) {
 }
 
 void Compositor::set_effects(const EffectSettings& effects) {
-    impl_->effects.settings = effects;
+    impl_->effects.set_settings(effects);
 }
 
 void Compositor::set_timed(bool timed) {

@@ -174,6 +174,10 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
         defines["WRITE_LAYERS"] = "1";
     }
     pass.draw = [this, input, plate, defines](PassRun& run) {
+        if (input.light) {
+            // Effects look at the whole region; between the runs nothing was added or taken away.
+            for (const int target : {0, 1}) run.target().clear_color(target, 0, 0, 0, 0);
+        }
         Program& program = shaders_.full_screen("composite/composite.frag", defines);
         program.use();
         run.bind(program, "plate_code", 0, plate);

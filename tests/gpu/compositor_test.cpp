@@ -47,7 +47,7 @@ protected:
         warnings.set_quiet(true);
         Compositor compositor(context(), shot.scene, shot.solve,
                               {.quality = shot.scene.quality, .leave_out = leave_out}, warnings);
-        CompositedFrame frame = compositor.composite(test::grey_plate(320, 180));
+        CompositedFrame frame = compositor.composite(test::grey_plate(320, 180, plate_luma_));
         reports_ = compositor.reports();
         return frame;
     }
@@ -65,6 +65,7 @@ protected:
     }
 
     std::vector<PassReport> reports_;
+    std::uint8_t plate_luma_ = 120;
 };
 
 TEST_F(CompositorTest, ASphereMapThatNothingReflects) {
@@ -102,6 +103,60 @@ TEST_F(CompositorTest, TilesThatNothingReaches) {
     const auto is_touched = [](std::uint8_t touched) { return touched > 0; };
     EXPECT_EQ(std::ranges::count_if(lean.touched.samples(), is_touched),
               std::ranges::count_if(whole.touched.samples(), is_touched));
+}
+
+TEST_F(CompositorTest, EffectsWithoutBrightLight) {
+    Shot shot = make_shot();
+    const CompositedFrame plain = composite(shot, true);
+    shot.scene.effects.bloom.emplace().threshold = 1e5;
+    const CompositedFrame asked_for = composite(shot, true);
+    EXPECT_FALSE(was_drawn("response around"));
+    EXPECT_TRUE(std::ranges::equal(plain.rgb16().samples(), asked_for.rgb16().samples()));
+    for (const PassReport& report : reports_) {
+        const bool is_bloom = report.name.starts_with("bloom/");
+        EXPECT_FALSE(is_bloom && report.drawn) << report.name;
+    }
+    const CompositedFrame whole = composite(shot, false);
+    EXPECT_TRUE(std::ranges::equal(plain.rgb16().samples(), whole.rgb16().samples()));
+}
+
+TEST_F(CompositorTest, LightSpillsBeyondTheObjects) {
+    Shot shot = make_shot();
+    shot.solve.frames[0].exposure_ev = 2;
+    const CompositedFrame plain = composite(shot, true);
+    shot.scene.effects.bloom.emplace().strength = 1;
+    const CompositedFrame bloomed = composite(shot, true);
+    EXPECT_TRUE(was_drawn("response around"));
+    const Image8 before = plain.rgb8(), after = bloomed.rgb8();
+    std::int64_t brighter = 0, darker = 0;
+    for (std::size_t i = 0; i < before.samples().size(); ++i) {
+        brighter += after.samples()[i] > before.samples()[i];
+        darker += after.samples()[i] < before.samples()[i];
+    }
+    EXPECT_GT(brighter, 10'000);
+    EXPECT_EQ(darker, 0);
+    // Drawn tile by tile or at once, the picture is the same.
+    const CompositedFrame whole = composite(shot, false);
+    EXPECT_TRUE(std::ranges::equal(bloomed.rgb16().samples(), whole.rgb16().samples()));
+}
+
+TEST_F(CompositorTest, AnObjectBeforeALampTakesTheLampsBloomAway) {
+    Shot shot = make_shot();
+    plate_luma_ = 235;  // white: the whole plate is a lamp
+    shot.scene.surface.shadow = false;
+    shot.scene.objects[0].material.metallic = 0;
+    shot.scene.objects[0].material.base_color = {0, 0, 0};
+    shot.scene.objects[0].material.roughness = 1;
+    shot.solve.frames[0].exposure_ev = -8;
+    const CompositedFrame plain = composite(shot, true);
+    shot.scene.effects.bloom = BloomSettings{.threshold = 0.25, .strength = 1};
+    const CompositedFrame frame = composite(shot, true);
+    const Image8 before = plain.rgb8(), after = frame.rgb8();
+    int dimmed = 0;
+    for (int y = 0; y < 180; ++y) {
+        for (int x = 0; x < 320; ++x) dimmed += before.at(x, y, 1) == 255 && after.at(x, y, 1) < 250;
+    }
+    EXPECT_GT(dimmed, 500) << "around the black ball the plate loses a part of its glow";
 }
 
 }  // namespace
