@@ -41,7 +41,7 @@ bool is_dark(ivec2 place) {
     return any(lessThan(place, ivec2(0))) || any(greaterThanEqual(place, after_region.zw));
 }
 
-// The largest channel anywhere in the texel.
+// The largest channel of the texel's pixels, but for those that objects left as they were: there the difference is 0.
 float brightest(ivec2 first) {
     // A texel that the region's edge cuts through looks at whole pixels inside of it instead: its own are among them.
     first = clamp(first, ivec2(0), after_region.zw - SCALE);
@@ -49,10 +49,14 @@ float brightest(ivec2 first) {
     vec3 most = vec3(0.0);
     for (int y = 0; y < SCALE; ++y) {
         for (int x = 0; x < SCALE; ++x) {
-            most = max(most, texelFetch(after, first + ivec2(x, y), 0).rgb);
+            vec4 with_objects = texelFetch(after, first + ivec2(x, y), 0);
+            vec3 larger = with_objects.rgb;
 #ifdef TAKES_AWAY
-            most = max(most, texelFetch(before, first_before + ivec2(x, y), 0).rgb);
+            vec3 without = texelFetch(before, first_before + ivec2(x, y), 0).rgb;
+            if (with_objects.a == 0.0 && with_objects.rgb == without) continue;
+            larger = max(larger, without);
 #endif
+            most = max(most, larger);
         }
     }
     return max(most.r, max(most.g, most.b));
