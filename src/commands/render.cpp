@@ -19,6 +19,7 @@
 #include "gl/context.h"
 #include "media/frame_source.h"
 #include "media/image_io.h"
+#include "render/pass_table.h"
 #include "scene/footage_options.h"
 #include "scene/scene_file.h"
 #include "tracking/scene_solve.h"
@@ -175,9 +176,8 @@ void explain(const RenderArguments& arguments, CommandContext& context) {
     compositor.composite(*plate);
     compositor.composite(std::move(*plate));
     nlohmann::json passes = nlohmann::json::array();
-    std::string text =
-        fmt::format("{:<28} {:<8} {:>19} {:>9} {:>9} {:>7}  why", "pass", "", "region", "ms", "MB", "bounds");
-    for (const PassReport& report : compositor.reports()) {
+    const std::vector<PassReport> reports = compositor.reports();
+    for (const PassReport& report : reports) {
         const Region& region = report.frame_pixels;
         passes.push_back(
             {{"pass", report.name},
@@ -187,14 +187,8 @@ void explain(const RenderArguments& arguments, CommandContext& context) {
              {"ms", report.ms},
              {"bytes", report.bytes},
              {"bandwidth_bounds", report.bandwidth_bounds}});
-        const std::string place =
-            region.empty() ? "" : fmt::format("{}×{} at {},{}", region.width, region.height, region.x, region.y);
-        text += fmt::format("\n{:<28} {:<8} {:>19} ", report.name, report.drawn ? "drawn" : "left out", place);
-        text += report.drawn ? fmt::format("{:9.2f} {:9.2f} {:7.1f}  {}", report.ms, report.bytes * 1e-6,
-                                           report.bandwidth_bounds, report.why)
-                             : fmt::format("{:>9} {:>9} {:>7}  {}", "", "", "", report.why);
     }
-    print_result(context, {{"frame", *arguments.explain}, {"passes", std::move(passes)}}, text);
+    print_result(context, {{"frame", *arguments.explain}, {"passes", std::move(passes)}}, pass_table(reports));
 }
 
 }  // namespace

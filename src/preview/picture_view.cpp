@@ -1,0 +1,66 @@
+// One texture, one triangle; filtered only where the picture has another size than its place.
+#include "preview/picture_view.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "gl/context.h"
+
+namespace matchlight {
+
+void PictureView::set_picture(const Image8& picture, double pixel_aspect) {
+    const int limit = current_gl_context()->info().max_texture_size;
+    if (std::max(picture.width(), picture.height()) > limit) {
+        throw InputError({}, fmt::format("a picture of {}×{} pixels cannot be shown: textures here end at {}",
+                                         picture.width(), picture.height(), limit));
+    }
+    if (!picture_ || picture_.width() != picture.width() || picture_.height() != picture.height()) {
+        picture_ = Texture2D({.format = GL_RGBA8, .width = picture.width(), .height = picture.height(), .levels = 0});
+    }
+    picture_.upload(picture);
+    pixel_aspect_ = pixel_aspect;
+    has_mipmaps_ = false;
+}
+
+void PictureView::draw(int width, int height) {
+    if (!target_ || target_.width() != width || target_.height() != height) {
+        target_texture_ = Texture2D({.format = GL_RGBA8, .width = width, .height = height});
+        target_ = Framebuffer({target_texture_});
+    }
+    const Eigen::Vector4f place =
+        letterbox(displayed_size(picture_.width(), picture_.height(), pixel_aspect_), width, height);
+    // Whole factors show every sample as it is.
+    const float factor = place[3] / static_cast<float>(picture_.height());
+    const bool whole = std::floor(factor) == factor && place[2] == factor * static_cast<float>(picture_.width());
+    if (factor < 1 && !has_mipmaps_) {
+        picture_.make_mipmaps();
+        has_mipmaps_ = true;
+    }
+    picture_.set_filter(whole ? Filter::nearest : factor < 1 ? Filter::trilinear : Filter::linear);
+    Program& program = shaders_.full_screen("preview/picture.frag");
+    target_.bind();
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+    program.use();
+    program.set("place", place);
+    program.bind_texture("picture", 0, picture_);
+    triangle_.draw();
+    check_no_gl_error("showing the picture");
+}
+
+void PictureView::present() const {
+    // Mesa's software rasteriser asks a window for its new size when a viewport is set on it.
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glViewport(0, 0, target_.width(), target_.height());
+    // Row 0 is the top here and the bottom of a window.
+    glBlitNamedFramebuffer(target_.name(), 0, 0, 0, target_.width(), target_.height(), 0, target_.height(),
+                           target_.width(), 0, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+Image8 PictureView::shown() const {
+    return target_.read<std::uint8_t>(target_.bounds(), 3);
+}
+
+}  // namespace matchlight

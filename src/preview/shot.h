@@ -1,0 +1,65 @@
+// A scene with its footage and compositor, and what the preview's keys change of it.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compositor/compositor.h"
+#include "core/warnings.h"
+#include "gl/context.h"
+#include "preview/frame_cache.h"
+#include "scene/scene_file.h"
+#include "tracking/solve_file.h"
+
+namespace matchlight {
+
+/// What is drawn of a scene.
+struct ShotSwitches {
+    bool bloom = false;
+    bool glare = false;
+    bool dazzle = false;
+    bool exposure = false;  // simulated exposure control
+    bool shadow = false;    // on the surface
+    QualityLevel level = QualityLevel::final_;
+};
+
+/// The scene's effects where they are switched on; where the scene has none of a kind, with its defaults.
+EffectSettings switched_effects(const EffectSettings& of_scene, const ShotSwitches& switches);
+
+class Shot {
+public:
+    /// Reads the scene and all that belongs to it. `context` and `warnings` must outlive it. Throws InputError.
+    Shot(GlContext& context, const std::filesystem::path& scene_path, Warnings& warnings);
+
+    /// As the scene file has them.
+    ShotSwitches scene_switches() const;
+    const ShotSwitches& switches() const { return switches_; }
+    /// Shadow and level make what the clip shares anew; the rest costs nothing. Throws InputError.
+    void set_switches(const ShotSwitches& switches);
+
+    FrameCache& frames() { return frames_; }
+    const Scene& scene() const { return scene_; }
+
+    /// What render writes of this frame. Throws InputError.
+    Image8 composited(const PlateFrame& plate);
+    /// What became of each pass of the frame, timed.
+    std::vector<PassReport> passes(const PlateFrame& plate);
+    ShaderReload reload_shaders();
+
+private:
+    void make_compositor();
+
+    GlContext& context_;
+    Warnings& warnings_;
+    Scene scene_;
+    Solve solve_;
+    FrameCache frames_;
+    ShotSwitches switches_;
+    std::unique_ptr<Compositor> compositor_;
+    ShaderLibrary files_;  // no programs of its own: what it knows is when files change
+};
+
+}  // namespace matchlight
