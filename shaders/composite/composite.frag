@@ -7,6 +7,7 @@
 #include "common/lens_map.glsl"
 #include "common/response.glsl"
 #include "effects/contact_shadow/contact_shadow.glsl"
+#include "effects/exposure/tone_curve.glsl"
 
 uniform sampler2D plate_code;        // RGB code values of the region; without footage: the background's linear light
 
@@ -22,6 +23,7 @@ uniform float least_visible_loss;    // a shadow that takes less than this share
 uniform mat3 world_from_camera;
 uniform vec3 eye_world_m;
 uniform vec3 gain;                   // 2^exposure · white balance: plate light of unit probe light
+uniform float plate_gain;            // 1 unless the whole picture is exposed anew
 uniform vec2 vignette;               // gain = 1 + v.x r² + v.y r⁴
 uniform vec3 vignette_frame;         // centre x, centre y, 1 / distance of the corner
 
@@ -98,10 +100,11 @@ void main() {
 #ifdef NO_FOOTAGE
     vec3 plate_linear = code;
 #else
-    vec3 plate_linear = linear_from_code(code);
+    vec3 plate_linear = linear_from_code(code) * plate_gain;
 #endif
     vec3 linear = plate_linear * ratio * (1.0 - virtual_light.a) + virtual_light.rgb * gain * falloff;
-    bool touched = virtual_light.a > 0.0 || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(lessThan(ratio, vec3(1.0)));
+    bool touched = virtual_light.a > 0.0 || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(lessThan(ratio, vec3(1.0))) ||
+                   white_light > 0.0;
 #ifdef NO_FOOTAGE
     touched = true;  // no pixel has been anyone's before
 #endif
@@ -109,7 +112,7 @@ void main() {
     light_after = vec4(touched ? linear : plate_linear, virtual_light.a);
     light_before = vec4(plate_linear, touched ? 1.0 : 0.0);
 #else
-    composited_code = touched ? vec4(code_from_linear(linear), 1.0) : vec4(code, 0.0);
+    composited_code = touched ? vec4(code_from_linear(toned(linear)), 1.0) : vec4(code, 0.0);
 #endif
 #ifdef WRITE_LAYERS
     shadow_layer = vec4(ratio, 1.0);

@@ -6,6 +6,7 @@
 
 #include "common/graph.glsl"
 #include "common/response.glsl"
+#include "effects/exposure/tone_curve.glsl"
 
 uniform sampler2D plate_code;    // RGB code values of the region
 uniform sampler2D light_after;   // plate-linear; a = the objects' coverage
@@ -39,7 +40,7 @@ void main() {
         lit = any(notEqual(spilled, vec3(0.0)));
         if (lit) linear = max(linear + spilled, vec3(0.0));
     }
-    vec3 shown = code_from_linear(linear);
+    vec3 shown = code_from_linear(toned(linear));
     // Codes beyond the response's ends (footage of limited range has them) are as bright as the ends.
     vec3 moved = abs(shown - clamp(code, 0.0, 1.0));
     touched = touched || (lit && any(greaterThanEqual(moved, vec3(least_visible_code))));

@@ -10,6 +10,7 @@
 #include "commands/frame_range.h"
 #include "commands/result.h"
 #include "compositor/compositor.h"
+#include "compositor/exposure_meter.h"
 #include "compositor/frame_output.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -102,7 +103,7 @@ void render(const RenderArguments& arguments, CommandContext& context) {
     Scene scene = load_scene(arguments.scene, warnings);
     if (arguments.level) scene.quality = *arguments.level;
     refuse_input_as_output(arguments.output, scene);
-    const Solve solve = solve_of_scene(scene, warnings);
+    Solve solve = solve_of_scene(scene, warnings);
     const std::unique_ptr<FrameSource> source = open_frames(scene, arguments.strict, warnings);
 
     const OutputRequest request{.path = arguments.output,
@@ -115,6 +116,7 @@ void render(const RenderArguments& arguments, CommandContext& context) {
     check_masks(arguments, scene, source->info());
     const std::unique_ptr<FrameOutput> output = open_frame_output(request, source->info(), warnings);
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
+    meter_clip(solve, scene, *gl, {.strict = arguments.strict, .quiet = context.quiet}, warnings);
     Compositor compositor(*gl, scene, solve, {.quality = scene.quality, .layers = output->needs_layers()}, warnings);
 
     const std::int64_t declared = source->info().frame_count;
@@ -163,7 +165,7 @@ void render(const RenderArguments& arguments, CommandContext& context) {
 void explain(const RenderArguments& arguments, CommandContext& context) {
     Scene scene = load_scene(arguments.scene, context.warnings);
     if (arguments.level) scene.quality = *arguments.level;
-    const Solve solve = solve_of_scene(scene, context.warnings);
+    Solve solve = solve_of_scene(scene, context.warnings);
     const std::unique_ptr<FrameSource> source = open_frames(scene, arguments.strict, context.warnings);
     source->seek(*arguments.explain);
     std::optional<PlateFrame> plate = source->next();
@@ -171,6 +173,7 @@ void explain(const RenderArguments& arguments, CommandContext& context) {
         throw InputError(source->info().path, fmt::format("has no frame {}", *arguments.explain));
     }
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
+    meter_clip(solve, scene, *gl, {.strict = arguments.strict, .quiet = context.quiet}, context.warnings);
     Compositor compositor(*gl, scene, solve, {.quality = scene.quality, .timed = true}, context.warnings);
     // The first time compiles programs and fills the pool; the second is what a frame costs.
     compositor.composite(*plate);

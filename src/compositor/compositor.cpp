@@ -16,8 +16,10 @@
 #include "compositor/reach.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/transfer.h"
 #include "gl/shader_library.h"
 #include "render/composite_pass.h"
+#include "render/effects/exposure.h"
 #include "render/surface.h"
 #include "scene/model.h"
 #include "scene/subdivide.h"
@@ -70,8 +72,9 @@ struct Compositor::Impl {
     void prepare_composite(const PlateFormat& format);
     const Response& response_of(const PlateFormat& format) const;
     FrameOptics optics_of(const SolvedFrame& frame) const;
-    /// The frame itself when it knows its exposure, or else the one nearest in time that does, or nullptr.
-    const SolvedFrame* exposed_neighbour(const SolvedFrame& frame) const;
+    /// What a frame needs drawn; nullopt where it stays as it came.
+    std::optional<FramePlan> plan_of(const PlateFrame& plate, bool whole_frame);
+    FrameResources resources();
     /// Also extends `object_bounds` (normalised coordinates) by every object in view.
     Reach reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
                    Eigen::AlignedBox2d& object_bounds);
@@ -145,34 +148,28 @@ void Compositor::Impl::prepare_composite(const PlateFormat& format) {
                                                      response_table(response_of(format), format.bit_depth));
 }
 
-const SolvedFrame* Compositor::Impl::exposed_neighbour(const SolvedFrame& frame) const {
-    if (frame.exposure_ev) return &frame;
-    const SolvedFrame* nearest = nullptr;
-    std::int64_t distance = std::numeric_limits<std::int64_t>::max();
-    for (const SolvedFrame& other : solve.frames) {
-        if (!other.exposure_ev || std::abs(other.frame - frame.frame) >= distance) continue;
-        distance = std::abs(other.frame - frame.frame);
-        nearest = &other;
-    }
-    return nearest;
-}
-
 FrameOptics Compositor::Impl::optics_of(const SolvedFrame& frame) const {
     FrameOptics optics;
-    optics.camera_from_world = *frame.camera_from_world;
+    if (frame.camera_from_world) optics.camera_from_world = *frame.camera_from_world;
     optics.frame_width = solve.camera.width;
     optics.frame_height = solve.camera.height;
     if (solve.vignette) optics.vignette = *solve.vignette;
-    const SolvedFrame* exposed = exposed_neighbour(frame);
+    const SolvedFrame* exposed = solve.exposed_near(frame);
     if (exposed == nullptr) {
         warnings.add("the solve knows no frame's exposure: the probe's light is taken as the plate's");
-        return optics;
+    } else if (exposed != &frame) {
+        warnings.add("frames without a measured exposure take their nearest neighbour's");
     }
-    if (exposed != &frame) warnings.add("frames without a measured exposure take their nearest neighbour's");
-    optics.gain.setConstant(std::exp2(*exposed->exposure_ev));
-    if (exposed->white_balance) {
+    const double exposure_ev = exposed != nullptr ? *exposed->exposure_ev : 0;
+    optics.gain.setConstant(std::exp2(exposure_ev));
+    if (exposed != nullptr && exposed->white_balance) {
         const auto& balance = *exposed->white_balance;
         optics.gain = optics.gain.cwiseProduct(Eigen::Vector3d(balance[0], balance[1], balance[2]));
+    }
+    if (frame.simulated) {
+        optics.plate_gain = std::exp2(frame.simulated->ev - exposure_ev);
+        optics.gain *= optics.plate_gain;
+        optics.white_light = frame.simulated->white;
     }
     return optics;
 }
@@ -198,8 +195,6 @@ Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const 
         object_bounds.extend(bounds);
         regions.push_back(plate_region(bounds, solve.camera, margin_px));
     }
-    if (background)
-        return {.runs = {{0, 0, format.width, format.height}}, .bounds = {0, 0, format.width, format.height}};
     const std::optional<ContactShadow>& shadow = light->contact_shadow();
     if (!shadow) return make_reach(regions, {}, 0, camera_from_world, lens_map, solve.camera);
     if (!footprint) footprint.emplace(shadow->far, shadow->fine, half_code(format));
@@ -208,49 +203,58 @@ Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const 
         camera_from_world, lens_map, solve.camera);
 }
 
-CompositedFrame Compositor::composite(PlateFrame plate) {
-    Impl& impl = *impl_;
-    CompositedFrame result{std::move(plate), {}, {}, {}, std::nullopt};
-    const PlateFormat& format = result.plate.format();
-    const Camera& camera = impl.solve.camera;
+std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool whole_frame) {
+    const PlateFormat& format = plate.format();
+    const Camera& camera = solve.camera;
     if (format.width != camera.width || format.height != camera.height) {
         throw InputError(
-            impl.solve.footage_file, result.plate.index(),
+            solve.footage_file, plate.index(),
             fmt::format("is {}×{}, the solve is for {}×{}", format.width, format.height, camera.width, camera.height),
             "track this footage again");
     }
-    const SolvedFrame* solved = impl.solve.find(result.plate.index());
-    if (solved == nullptr || !solved->camera_from_world) return result;
-
-    const RigidTransform& camera_from_world = *solved->camera_from_world;
-    Eigen::AlignedBox2d object_bounds;
-    impl.context.make_current();
-    Reach reach = impl.reach_of(camera_from_world, format, object_bounds);
-    if (!impl.options.leave_out) {
-        reach = tiles_of(camera, [](int, int) { return true; });
-        if (object_bounds.isEmpty()) object_bounds = impl.lens_map.normalized_bounds;
+    static const SolvedFrame unknown;
+    const SolvedFrame* found = solve.find(plate.index());
+    const SolvedFrame& solved = found != nullptr ? *found : unknown;
+    FramePlan plan;
+    plan.posed = solved.camera_from_world.has_value();
+    whole_frame = whole_frame || solved.simulated;
+    if (!plan.posed && !whole_frame) return std::nullopt;
+    whole_frame = whole_frame || background || !options.leave_out;
+    context.make_current();
+    if (plan.posed) plan.reach = reach_of(*solved.camera_from_world, format, plan.object_bounds);
+    if (whole_frame)
+        plan.reach = {.runs = {{0, 0, camera.width, camera.height}}, .bounds = {0, 0, camera.width, camera.height}};
+    if (!options.leave_out && plan.posed && plan.object_bounds.isEmpty())
+        plan.object_bounds = lens_map.normalized_bounds;
+    if (plan.reach.bounds.empty()) {
+        graph.begin_frame(camera.width, camera.height);
+        graph.leave_out("surface", "no object is in view, and none of its shadow");
+        return std::nullopt;
     }
-    if (reach.bounds.empty()) {
-        impl.graph.begin_frame(camera.width, camera.height);
-        impl.graph.leave_out("surface", "no object is in view, and none of its shadow");
-        return result;
-    }
+    plan.optics = optics_of(solved);
+    prepare_composite(format);
+    return plan;
+}
 
-    impl.prepare_composite(format);
-    const FramePlan plan{.optics = impl.optics_of(*solved), .object_bounds = object_bounds, .reach = reach};
-    FramePasses({.context = impl.context,
-                 .shaders = impl.shaders,
-                 .graph = impl.graph,
-                 .surfaces = impl.surfaces,
-                 .light = *impl.light,
-                 .composite = *impl.composite_pass,
-                 .effects = impl.effects,
-                 .camera = impl.solve.camera,
-                 .quality = impl.quality,
-                 .background = impl.background ? &*impl.background : nullptr,
-                 .timed = impl.options.timed},
-                plan)
-        .composite(result, impl.options);
+FrameResources Compositor::Impl::resources() {
+    return {.context = context,
+            .shaders = shaders,
+            .graph = graph,
+            .surfaces = surfaces,
+            .light = *light,
+            .composite = *composite_pass,
+            .effects = effects,
+            .camera = solve.camera,
+            .quality = quality,
+            .background = background ? &*background : nullptr,
+            .timed = options.timed};
+}
+
+CompositedFrame Compositor::composite(PlateFrame plate) {
+    CompositedFrame result{std::move(plate), {}, {}, {}, std::nullopt};
+    const std::optional<FramePlan> plan = impl_->plan_of(result.plate, false);
+    if (!plan) return result;
+    FramePasses(impl_->resources(), *plan).composite(result, impl_->options);
     check_no_gl_error(fmt::format("compositing frame {}", result.plate.index()));
     return result;
 }
@@ -270,6 +274,13 @@ ShaderReload Compositor::reload_shaders() {
     return reload;
 }
 
+ImageF Compositor::meter_map(const PlateFrame& plate) {
+    const std::optional<FramePlan> plan = impl_->plan_of(plate, true);
+    ImageF map = FramePasses(impl_->resources(), *plan).meter_map(plate);
+    check_no_gl_error(fmt::format("metering frame {}", plate.index()));
+    return map;
+}
+
 std::vector<PassReport> Compositor::reports() const {
     impl_->context.make_current();
     return impl_->graph.reports();
@@ -287,9 +298,11 @@ ImageF Compositor::virtual_layer_code(const CompositedFrame& frame) const {
             const float alpha = light[3];
             if (!(alpha > 0)) continue;
             float* out = picture.pixel(region.x + x, region.y + y);
-            // The curve belongs to the light of the covered part: undo the coverage, code, and cover again.
+            // The curves belong to the light of the covered part: undo the coverage, code, and cover again.
+            const double luminance = luminance_rec709(light[0], light[1], light[2]) / alpha;
+            const double tone = tone_factor(luminance, frame.layers->white_light);
             for (int c = 0; c < 3; ++c) {
-                const double code = std::clamp(response.code_from_linear(light[c] / alpha, c), 0.0, 1.0);
+                const double code = std::clamp(response.code_from_linear(tone * light[c] / alpha, c), 0.0, 1.0);
                 out[c] = static_cast<float>(code) * alpha;
             }
             out[3] = alpha;

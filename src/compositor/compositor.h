@@ -23,14 +23,15 @@ namespace matchlight {
 /// inverse of the code values), depth in metres along the camera's axis (0 = nothing there), normals in world axes.
 struct FrameLayers {
     Region region;
-    ImageF beauty;        // RGB
-    ImageF alpha;         // 1 channel
-    ImageF depth;         // 1 channel
-    ImageF normal;        // 3 channels
-    ImageF shadow;        // RGB ratio
-    ImageF object_id;     // 1 channel; 0 = nothing, 1 = the scene's first object
-    ImageF virtual_rgba;  // the virtual layer alone: premultiplied plate-linear light and alpha
-    ImageF background;    // RGB, in place of the plate in scenes without footage; else empty
+    ImageF beauty;           // RGB
+    ImageF alpha;            // 1 channel
+    ImageF depth;            // 1 channel
+    ImageF normal;           // 3 channels
+    ImageF shadow;           // RGB ratio
+    ImageF object_id;        // 1 channel; 0 = nothing, 1 = the scene's first object
+    ImageF virtual_rgba;     // the virtual layer alone: premultiplied plate-linear light and alpha
+    double white_light = 0;  // beauty's light that the tone curve shows as white; 0: there is no curve
+    ImageF background;       // RGB, in place of the plate in scenes without footage; else empty
 };
 
 /// The plate as it came, and what is new in it.
@@ -78,6 +79,10 @@ public:
     /// Makes programs anew whose shader files changed; the next frame is drawn with them, and with new maps of what the
     /// clip shares. Where one does not compile, the last good one stays.
     ShaderReload reload_shaders();
+
+    /// What exposure control meters of the frame, linear light before any tone curve: see
+    /// render/effects/exposure_meter.h. Effects are left out.
+    ImageF meter_map(const PlateFrame& plate);
 
     /// What became of each pass of the last frame.
     std::vector<PassReport> reports() const;

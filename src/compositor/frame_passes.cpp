@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "render/effects/exposure_meter.h"
 #include "render/effects/spill.h"
 
 namespace matchlight {
@@ -76,7 +77,7 @@ CompositeInput FramePasses::composite_input(const ImageF& plate_code, const Regi
     input.layer_drawn = layer_drawn_;
     input.background = background_;
     const std::optional<ContactShadow>& shadow = resources_.light.contact_shadow();
-    input.shadow = shadow ? &*shadow : nullptr;
+    input.shadow = shadow && plan_.posed ? &*shadow : nullptr;
     input.optics = plan_.optics;
     return input;
 }
@@ -162,6 +163,24 @@ void FramePasses::composite(CompositedFrame& result, const CompositorOptions& op
     }
 }
 
+ImageF FramePasses::meter_map(const PlateFrame& plate) {
+    RenderGraph& graph = resources_.graph;
+    const Region& region = plan_.reach.bounds;
+    graph.begin_frame(resources_.camera.width, resources_.camera.height);
+    layer_drawn_ = add_surface(false);
+    background_ = add_background();
+    const ImageF plate_code = background_ ? ImageF() : code_of_runs(plate, region, plan_.reach.runs);
+    CompositeInput input = composite_input(plate_code, region, plan_.reach.runs);
+    input.light = true;
+    const CompositePicture picture = resources_.composite.add(graph, input);
+    const int block_px = meter_block_px(resources_.camera.width, resources_.camera.height);
+    const GraphTexture map = add_exposure_meter(graph, resources_.shaders, picture.light.after, block_px);
+    graph.output(map);
+    graph.run(resources_.timed);
+    const Region texels = graph.shape(map).region;
+    return read_runs(graph.texture(map), texels, {texels}, 3);
+}
+
 void FramePasses::composite_code(CompositedFrame& result) {
     RenderGraph& graph = resources_.graph;
     const Region& region = result.reach;
@@ -201,6 +220,7 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
                                                   .runs = runs,
                                                   .light = picture.light,
                                                   .spill = spill,
+                                                  .white_light = plan_.optics.white_light,
                                                   .least_visible_code = half_code(result.plate.format()),
                                                   .layers = layers});
     graph.output(shown.code);
@@ -234,6 +254,7 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
                                 .shadow = read(picture.shadow, 3),
                                 .object_id = read(picture.object_id, 1),
                                 .virtual_rgba = read(picture.virtual_rgba, 4),
+                                .white_light = plan_.optics.white_light,
                                 .background = background_ ? read(background_, 3) : ImageF()};
 }
 

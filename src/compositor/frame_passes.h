@@ -22,6 +22,7 @@ struct FramePlan {
     FrameOptics optics;
     Eigen::AlignedBox2d object_bounds;  // of all objects in view, normalised coordinates
     Reach reach;
+    bool posed = true;  // false: nothing virtual can be placed, and only the plate's own exposure may change
 };
 
 /// What frames share, and outlives them.
@@ -45,6 +46,8 @@ public:
 
     /// Fills everything of `result` but its plate.
     void composite(CompositedFrame& result, const CompositorOptions& options);
+    /// The frame's light, reduced to what exposure control meters.
+    ImageF meter_map(const PlateFrame& plate);
 
 private:
     GraphTexture add_surface(bool layers);

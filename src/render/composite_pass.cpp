@@ -155,6 +155,8 @@ void CompositePass::set_input(Program& program, const CompositeInput& input) con
     program.set("vignette_frame",
                 Eigen::Vector3f(Eigen::Vector3d(centre.x(), centre.y(), 1 / corner_px).cast<float>()));
     program.set("least_visible_loss", input.least_visible_loss);
+    program.set("plate_gain", optics.plate_gain);
+    program.set("white_light", optics.white_light);
 }
 
 CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& input) {
@@ -223,6 +225,7 @@ ResponsePicture CompositePass::add_response(RenderGraph& graph, const ResponseIn
         run.bind(program, "spill", 4, input.spill);
         program.set("spill_present", static_cast<bool>(input.spill));
         program.set("least_visible_code", input.least_visible_code);
+        program.set("white_light", input.white_light);
         draw_runs(run, program, input.region, input.runs);
     };
     const std::vector<GraphTexture> written = graph.add_pass(std::move(pass));

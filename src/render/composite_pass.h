@@ -29,6 +29,9 @@ struct FrameOptics {
     Eigen::Vector3d gain = Eigen::Vector3d::Ones();  // plate light of unit probe light: 2^ev · white balance
     std::array<double, 2> vignette{};                // gain = 1 + v0 r² + v1 r⁴, r = 1 at the corner
     int frame_width = 0, frame_height = 0;
+    // Of simulated exposure control (render/effects/exposure.h).
+    double plate_gain = 1;   // of the plate's own light: exposed anew
+    double white_light = 0;  // plate-linear light shown as white; 0: no tone curve, and only what is touched changes
 };
 
 struct CompositeInput {
@@ -64,6 +67,7 @@ struct ResponseInput {
     std::vector<Region> runs;
     FrameLight light = {};          // empty: the plate alone, around what objects touch
     GraphTexture spill;             // plate-linear light to add; empty: none
+    double white_light = 0;         // as in FrameOptics
     double least_visible_code = 0;  // spilled light that moves no code by more leaves the pixel the plate's
     bool layers = false;
 };

@@ -75,11 +75,51 @@ const std::vector<SceneSection>& effect_sections() {
         {"effects.dazzle.glare", SectionUse::nested, "As in `[effects.glare]`.",
          [](Scene& s) { s.effects.dazzle->glare.emplace(); }},
         {"effects.dazzle.glare.aperture", SectionUse::nested, "As in `[effects.glare.aperture]`.", nullptr},
+        {"effects.exposure", SectionUse::nested, "How much light makes which code: the footage's own, or metered.",
+         [](Scene& s) {
+             s.effects.exposure.emplace();
+             if (s.camera) s.effects.exposure->mode = ExposureMode::simulated;
+         }},
     };
     return sections;
 }
 
 namespace {
+
+void add_exposure_settings(std::vector<Setting>& rows) {
+    const std::vector<Setting> added = {
+        {"effects.exposure", "mode", one_of({"matched", "simulated"}), "", "",
+         "matched: the footage's own; simulated: metered frame by frame, the whole picture exposed anew; with footage "
+         "matched unless given",
+         [](Scene& s, const SettingValue& v) { s.effects.exposure->mode = static_cast<ExposureMode>(v.choice); }},
+        {"effects.exposure", "sensor", one_of({"camera", "eye"}), "", "\"camera\"",
+         "how fast it adapts: 0.5 s to light and 2 s to dark, or 0.1 s and 0.4 s",
+         [](Scene& s, const SettingValue& v) {
+             const AdaptationTimes& times = v.choice == 0 ? camera_adaptation : eye_adaptation;
+             s.effects.exposure->to_light_s = times.to_light_s;
+             s.effects.exposure->to_dark_s = times.to_dark_s;
+         }},
+        {"effects.exposure", "to_light_s", between(number, 0, 1e6), "s", "", "time constant, instead of the sensor's",
+         [](Scene& s, const SettingValue& v) { s.effects.exposure->to_light_s = v.number; }},
+        {"effects.exposure", "to_dark_s", between(number, 0, 1e6), "s", "", "time constant, instead of the sensor's",
+         [](Scene& s, const SettingValue& v) { s.effects.exposure->to_dark_s = v.number; }},
+        {"effects.exposure", "key", between(number, 0.01, 1), "", "0.18",
+         "picture-linear light that the metered average becomes; usual: 0.18 to 0.72",
+         [](Scene& s, const SettingValue& v) { s.effects.exposure->key = v.number; }},
+        {"effects.exposure", "white", above(number, 0, 1e9), "picture-linear", "",
+         "exposed light that becomes white; the brightest metered, and at least 1, unless given",
+         [](Scene& s, const SettingValue& v) { s.effects.exposure->white = v.number; }},
+        {"effects.exposure", "darkest_share", between(number, 0, 0.49), "", "0.05",
+         "of the picture, left out of the average",
+         [](Scene& s, const SettingValue& v) { s.effects.exposure->darkest_share = v.number; }},
+        {"effects.exposure", "brightest_share", between(number, 0, 0.49), "", "0.02",
+         "of the picture, left out of the average",
+         [](Scene& s, const SettingValue& v) { s.effects.exposure->brightest_share = v.number; }},
+        {"effects.exposure", "compensation_ev", between(number, -32, 32), "EV", "0", "added to what the meter says",
+         [](Scene& s, const SettingValue& v) { s.effects.exposure->compensation_ev = v.number; }},
+    };
+    rows.insert(rows.end(), added.begin(), added.end());
+}
 
 std::vector<Setting> all_effect_settings() {
     std::vector<Setting> settings = {
@@ -87,8 +127,8 @@ std::vector<Setting> all_effect_settings() {
         {"effects", "glare", of_kind(effect), "", "\"off\"", "bright light is drawn out", nullptr},
         {"effects", "dazzle", of_kind(effect), "", "\"off\"", "reflections on objects spill more, or otherwise",
          nullptr},
-        {"effects", "exposure", of_kind(left_out), "", "\"off\"", "off (the footage's own exposure is always met)",
-         nullptr},
+        {"effects", "exposure", of_kind(effect), "", "\"off\"",
+         "auto: footage keeps its own (as with off), other scenes are metered frame by frame", nullptr},
         {"effects", "depth_of_field", of_kind(left_out), "", "\"off\"", "off", nullptr},
         {"effects", "motion_blur", of_kind(left_out), "", "\"off\"", "off", nullptr},
         {"effects", "grain", of_kind(left_out), "", "\"off\"", "off", nullptr},
@@ -116,6 +156,7 @@ std::vector<Setting> all_effect_settings() {
         {"effects.dazzle", "glare", of_kind(SettingKind::section), "", "",
          "a glare of their own; as other light unless given", nullptr},
     };
+    add_exposure_settings(settings);
     add_glare_settings<glare_of_all>(settings, "effects.glare", "effects.glare.aperture");
     add_glare_settings<glare_of_dazzle>(settings, "effects.dazzle.glare", "effects.dazzle.glare.aperture");
     return settings;

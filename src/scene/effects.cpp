@@ -49,7 +49,7 @@ void DazzleSettings::check() const {
 
 void ExposureSettings::check() const {
     check_range("exposure key", key, 0.01, 1);
-    if (white) check_range("exposure white", *white, 1e-6, 1e9);
+    if (white) check_range("exposure white", *white, 1e-300, 1e9);
     check_range("exposure darkest_share", darkest_share, 0, 0.49);
     check_range("exposure brightest_share", brightest_share, 0, 0.49);
     check_range("exposure to_light_s", to_light_s, 0, 1e6);

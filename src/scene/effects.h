@@ -64,18 +64,38 @@ struct DazzleSettings {
 
 enum class ExposureMode { matched, simulated };
 
-/// Matched: the footage's own exposure. Simulated: a meter and its adaptation over time, for scenes without footage.
+/// Time constants of adaptation, in seconds.
+struct AdaptationTimes {
+    double to_light_s = 0;
+    double to_dark_s = 0;
+};
+/// Exposure controls of cameras close faster than they open; half a second and two are what phones and camcorders do.
+inline constexpr AdaptationTimes camera_adaptation{0.5, 2.0};
+/// Of the retina's quick part: cones 0.1 s, rods 0.4 s (Durand & Dorsey 2000, "Interactive tone mapping"). The slow
+/// one, bleached pigment that takes minutes to come back, is not simulated.
+inline constexpr AdaptationTimes eye_adaptation{0.1, 0.4};
+
+/// Matched: the footage's own exposure. Simulated: a meter and its adaptation over time, for scenes without footage, or
+/// when asked for: then the whole picture is exposed anew, footage and all, as objects that alone changed would no
+/// longer belong in it.
 struct ExposureSettings {
     ExposureMode mode = ExposureMode::matched;
     double key = 0.18;            // the log average's place in the picture, 0.18 to 0.72 (Reinhard 2002)
     std::optional<double> white;  // light that becomes white; the brightest metered unless given
     double darkest_share = 0.05;  // of metered pixels left out at either end of the histogram
     double brightest_share = 0.02;
-    double to_light_s = 0.5;  // time constants of adaptation
-    double to_dark_s = 2.0;
+    double to_light_s = camera_adaptation.to_light_s;
+    double to_dark_s = camera_adaptation.to_dark_s;
     double compensation_ev = 0;
 
     void check() const;
+};
+
+/// How simulated exposure control exposes a frame: scene-linear light · 2^ev, of which light of `white` and above is
+/// shown as white.
+struct FrameExposure {
+    double ev = 0;
+    double white = 1;
 };
 
 struct EffectSettings {

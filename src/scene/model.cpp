@@ -56,4 +56,17 @@ Model load_model(const std::filesystem::path& path, Warnings& warnings) {
     }
 }
 
+void add_model_contents(ContentHash& hash, const std::filesystem::path& path, Warnings& warnings) {
+    const CheckedModel model = checked_model(path, warnings);
+    for (const auto& [name, contents] : model.files) {
+        hash.add(name);
+        hash.add(contents);
+    }
+    for (const TextureSource& texture : model.textures) {
+        hash.add(texture.bytes);
+        std::error_code missing;
+        if (std::filesystem::is_regular_file(texture.file, missing)) hash.add_file(texture.file);
+    }
+}
+
 }  // namespace matchlight

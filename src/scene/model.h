@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/content_hash.h"
 #include "core/image.h"
 #include "core/warnings.h"
 
@@ -73,5 +74,8 @@ Model load_model(const std::filesystem::path& path, Warnings& warnings);
 /// "sphere" (radius ½), "box" (side 1), "plane" (side 1, z = 0), "torus" (outer radius ½, tube radius 0.15, about z),
 /// "cylinder" (radius ½, height 1, about z), all around the origin. Throws InputError naming the nearest.
 Model make_shape(const std::string& shape, const std::filesystem::path& reported);
+
+/// Adds the bytes of every file that load_model would read. Throws as it does.
+void add_model_contents(ContentHash& hash, const std::filesystem::path& path, Warnings& warnings);
 
 }  // namespace matchlight

@@ -46,6 +46,7 @@ public:
         check_kind_of_scene(root);
         for (const SceneSection& section : scene_sections()) read_section_of_root(root, section);
         if (const toml::node* background = root.get("background")) check_background(*background);
+        check_exposure(root);
         scene_.effective_toml = std::move(effective_);
         return std::move(scene_);
     }
@@ -64,6 +65,7 @@ private:
     void check_object(const toml::table& table);
     void check_camera(const toml::table& table);
     void check_background(const toml::node& node);
+    void check_exposure(const toml::table& root);
 
     void append(std::string_view header, const std::vector<std::string>& lines) {
         if (!effective_.empty()) effective_ += "\n";
@@ -332,6 +334,14 @@ void SceneReader::check_background(const toml::node& node) {
     if (background.probe && !scene_.probe) {
         source_.fail(node, "[background] shows the probe, but the scene has none", "give [light] with a probe");
     }
+}
+
+void SceneReader::check_exposure(const toml::table& root) {
+    const std::optional<ExposureSettings>& exposure = scene_.effects.exposure;
+    if (!scene_.camera || !exposure || exposure->mode == ExposureMode::simulated) return;
+    source_.fail(*root["effects"]["exposure"]["mode"].node(),
+                 "'mode' in [effects.exposure] is matched, and the scene has no footage to match",
+                 "give mode = \"simulated\", or leave exposure out and set exposure_ev in [camera]");
 }
 
 }  // namespace

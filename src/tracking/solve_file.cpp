@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -322,6 +324,18 @@ const SolvedFrame* Solve::find(std::int64_t frame) const {
     const auto found = std::lower_bound(frames.begin(), frames.end(), frame,
                                         [](const SolvedFrame& f, std::int64_t number) { return f.frame < number; });
     return found == frames.end() || found->frame != frame ? nullptr : &*found;
+}
+
+const SolvedFrame* Solve::exposed_near(const SolvedFrame& frame) const {
+    if (frame.exposure_ev) return &frame;
+    const SolvedFrame* nearest = nullptr;
+    std::int64_t distance = std::numeric_limits<std::int64_t>::max();
+    for (const SolvedFrame& other : frames) {
+        if (!other.exposure_ev || std::abs(other.frame - frame.frame) >= distance) continue;
+        distance = std::abs(other.frame - frame.frame);
+        nearest = &other;
+    }
+    return nearest;
 }
 
 Solve load_solve(const std::filesystem::path& path) {

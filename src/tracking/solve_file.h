@@ -13,6 +13,7 @@
 #include "calibration/camera.h"
 #include "calibration/response.h"
 #include "core/transforms.h"
+#include "scene/effects.h"
 
 namespace matchlight {
 
@@ -38,6 +39,8 @@ struct SolvedFrame {
     std::optional<double> pose_confidence;  // 0..1
     std::optional<double> exposure_confidence;
     std::optional<double> focus_confidence;
+    std::optional<FrameExposure>
+        simulated;  // instead of the footage's own; from the meter pass, not in the solve's file
 };
 
 struct Solve {
@@ -53,6 +56,8 @@ struct Solve {
 
     /// The frame's entry, or nullptr.
     const SolvedFrame* find(std::int64_t frame) const;
+    /// The frame itself when it knows its exposure, or else the one nearest in time that does, or nullptr.
+    const SolvedFrame* exposed_near(const SolvedFrame& frame) const;
 };
 
 /// Throws InputError: not a solve file, another version, a matrix that is not rigid, non-finite numbers.

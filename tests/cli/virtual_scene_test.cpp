@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "core/transfer.h"
@@ -107,6 +108,71 @@ TEST_F(VirtualScene, IsRefusedWithLineAndCure) {
     EXPECT_TRUE(failed_naming(render(write(small_clip, sky_and_ball), scratch_ / "out_%d.png", {"--frames", "5-5"}),
                               {"virtual.toml", "no frame 5"}));
     EXPECT_TRUE(nothing_left_of(scratch_ / "a.mp4"));
+}
+
+TEST_F(VirtualScene, MetersOnceAndRendersChunksWithTheSameBits) {
+    const std::string metered =
+        std::string(sky_and_ball) + "[effects]\nexposure = {to_light_s = 0.1, to_dark_s = 0.1}\n";
+    const fs::path scene = write(small_clip, metered);
+    const fs::path meter = folder_ / "virtual.meter.json";
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "all_%d.png")));
+    ASSERT_TRUE(fs::exists(meter));
+    const std::string made = bytes_of(meter);
+    fs::remove(meter);
+    // A chunk meters the whole clip all the same, and the next one takes what it found.
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "one_%d.png", {"--frames", "3-3"})));
+    EXPECT_EQ(bytes_of(meter), made);
+    const auto written = fs::last_write_time(meter);
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "one_%d.png", {"--frames", "0-2"})));
+    EXPECT_EQ(fs::last_write_time(meter), written);
+    for (int frame = 0; frame <= 3; ++frame) {
+        EXPECT_EQ(bytes_of(numbered(scratch_ / "one_%d.png", frame)),
+                  bytes_of(numbered(scratch_ / "all_%d.png", frame)));
+    }
+    // How it is encoded does not matter to the meter; what it looks at does.
+    write(small_clip, metered + "[output]\ncrf = 20\n");
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "crf.mp4")));
+    EXPECT_EQ(fs::last_write_time(meter), written);
+    write(std::string(small_clip) + "vertical_fov_deg = 60\n", metered);
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "wide_%d.png", {"--frames", "0-0"})));
+    EXPECT_NE(bytes_of(meter), made);
+}
+
+TEST_F(VirtualScene, PlacesTheMeteredAverageAtTheKey) {
+    const char* const one_pixel = "width = 1\nheight = 1\n";
+    for (const double key : {0.18, 0.5}) {
+        for (const char* const light : {"[1e-8, 1e-8, 1e-8]", "[0.3, 0.3, 0.3]", "[65504, 65504, 65504]"}) {
+            const fs::path scene = write(
+                one_pixel, fmt::format("[background]\ncolor = {}\n[effects]\nexposure = {{key = {}}}\n", light, key));
+            ASSERT_TRUE(succeeded(render(scene, scratch_ / "out_%d.png", {"--overwrite"})));
+            EXPECT_NEAR(read_rgb8(scratch_ / "out_0.png").at(0, 0, 1), 255 * srgb_code_from_linear(key), 0.51) << light;
+        }
+    }
+    EXPECT_TRUE(
+        failed_naming(render(write(one_pixel, "[effects]\nexposure = {mode = \"matched\"}\n"), scratch_ / "a.mp4"),
+                      {"virtual.toml:6", "no footage to match"}));
+}
+
+TEST_F(VirtualScene, ExposesFootageAnewOnlyWhenAsked) {
+    const fs::path scene = folder_ / "table.toml";
+    ASSERT_TRUE(succeeded(run_matchlight({"track", scene})));
+    const std::string plain = bytes_of(scene);
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "off_%d.png", {"--frames", "4-4"})));
+    std::ofstream(scene, std::ios::trunc) << plain << "[effects]\nexposure = \"auto\"\n";
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "auto_%d.png", {"--frames", "4-4"})));
+    EXPECT_EQ(read_rgb8(scratch_ / "auto_4.png").samples().size(), read_rgb8(scratch_ / "off_4.png").samples().size());
+    const Image8 off = read_rgb8(scratch_ / "off_4.png"), matched = read_rgb8(scratch_ / "auto_4.png");
+    EXPECT_TRUE(std::equal(off.samples().begin(), off.samples().end(), matched.samples().begin()));
+    EXPECT_FALSE(fs::exists(folder_ / "table.meter.json"));
+    std::ofstream(scene, std::ios::trunc)
+        << plain << "[effects]\nexposure = {mode = \"simulated\", compensation_ev = -3}\n";
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "dark_%d.png", {"--frames", "4-4"})));
+    const Image8 dark = read_rgb8(scratch_ / "dark_4.png");
+    std::int64_t sum_off = 0, sum_dark = 0;
+    for (const std::uint8_t code : off.samples()) sum_off += code;
+    for (const std::uint8_t code : dark.samples()) sum_dark += code;
+    EXPECT_LT(sum_dark, sum_off / 2);
+    EXPECT_LT(dark.at(2, 2, 1), off.at(2, 2, 1));  // the plate too
 }
 
 }  // namespace
