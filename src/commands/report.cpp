@@ -20,6 +20,7 @@
 #include "media/image_io.h"
 #include "report/experiments.h"
 #include "report/report_folder.h"
+#include "report/stability_cases.h"
 #include "report/truth.h"
 
 namespace matchlight {
@@ -32,7 +33,7 @@ struct ReportArguments {
     std::optional<std::int64_t> frame;
     std::vector<std::string> effects;  // all when empty
     int repeats = 0;                   // 0: seven, or three when quick
-    bool quick = false, overwrite = false;
+    bool quick = false, overwrite = false, stability = false;
 };
 
 Machine this_machine(GlContext& context) {
@@ -113,15 +114,41 @@ void measure_scene(const ReportArguments& arguments, GlContext& gl, CommandConte
     }
 }
 
+void run_stability_cases(CommandContext& context, Report& report) {
+    const std::vector<StabilityCase> cases = stability_cases();
+    Progress progress("stability", static_cast<std::int64_t>(cases.size()), context.quiet);
+    for (const StabilityCase& tried : cases) {
+        if (stop_requested()) throw InputError("", "stopped by a signal");
+        report.stability.push_back(stability_row(tried));
+        progress.advance();
+    }
+}
+
+std::string stability_lines(const Report& report) {
+    std::string text;
+    for (const StabilityRow& row : report.stability) {
+        text += fmt::format("{} {:<15} {}: {:.4g} ({}", row.pass ? "pass" : "FAIL", row.effect, row.name, row.value,
+                            row.bound);
+        text += row.energy_kept ? fmt::format("; {:.6g} kept)\n", *row.energy_kept) : ")\n";
+    }
+    return text;
+}
+
 void make_report(const ReportArguments& arguments, CommandContext& context) {
     const ReportFolder folder(arguments.output, arguments.overwrite);
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
     Report report;
     report.machine = this_machine(*gl);
-    measure_scene(arguments, *gl, context, report);
+    if (!arguments.scene.empty()) measure_scene(arguments, *gl, context, report);
+    if (arguments.stability) run_stability_cases(context, report);
     folder.write(report);
     print_result(context, nlohmann::json::parse(report_json(report)),
-                 effect_lines(report) + fmt::format("{}\n", folder.page().string()));
+                 effect_lines(report) + stability_lines(report) + fmt::format("{}\n", folder.page().string()));
+    const auto failed = std::ranges::count_if(report.stability, [](const StabilityRow& row) { return !row.pass; });
+    if (failed > 0) {
+        throw InputError(folder.page(), fmt::format("{} of {} cases of stability leave their bounds", failed,
+                                                    report.stability.size()));
+    }
 }
 
 }  // namespace
@@ -129,7 +156,8 @@ void make_report(const ReportArguments& arguments, CommandContext& context) {
 void add_report_command(CLI::App& app, CommandContext& context) {
     CLI::App* command = app.add_subcommand("report", "Error against run time of every effect: HTML, CSV, JSON");
     const auto arguments = std::make_shared<ReportArguments>();
-    command->add_option("scene", arguments->scene, "Scene file, tracked")->required()->type_name("SCENE.toml");
+    command->add_option("scene", arguments->scene, "Scene file, tracked (none with --stability alone)")
+        ->type_name("SCENE.toml");
     command->add_option("-o,--output", arguments->output, "Folder for report.html, report.csv and report.json")
         ->required()
         ->type_name("DIR");
@@ -145,9 +173,14 @@ void add_report_command(CLI::App& app, CommandContext& context) {
     command->add_option(
         "--truth", arguments->truth,
         "Pictures with the objects really there (truth_%03d.png): also measure whole frames against them");
+    command->add_flag("--stability", arguments->stability,
+                      "A table of stiff and extreme cases: what came out of each, against its bound");
     command->add_flag("--quick", arguments->quick, "Fewer knobs and cheaper references: some seconds an effect");
     command->add_flag("--overwrite", arguments->overwrite, "Replace a report that exists");
-    command->callback([arguments, &context] { make_report(*arguments, context); });
+    command->callback([arguments, &context] {
+        if (arguments->scene.empty() && !arguments->stability) throw CLI::RequiredError("SCENE.toml or --stability");
+        make_report(*arguments, context);
+    });
 }
 
 }  // namespace matchlight

@@ -67,9 +67,9 @@ struct EffectReport {
 struct StabilityRow {
     std::string effect;
     std::string name;
-    std::string bound;                  // in words: "finite, at most 65504"
-    double value = 0;                   // what came out, compared with the bound
-    std::optional<double> energy_kept;  // out over in, where light is spread
+    std::string bound;                       // in words: "finite, at most 65504"
+    double value = 0;                        // what came out, compared with the bound
+    std::optional<double> energy_kept = {};  // out over in, where light is spread
     bool pass = false;
 };
 

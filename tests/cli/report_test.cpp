@@ -133,8 +133,25 @@ TEST_F(ReportTest, LeavesNothingBehindWhenItFails) {
     EXPECT_FALSE(fs::exists(folder));
 }
 
+TEST_F(ReportTest, StabilityNeedsNoScene) {
+    const fs::path folder = scratch_ / "report";
+    const RunResult result = run_matchlight({"report", "--stability", "-o", folder, "--json"});
+    ASSERT_TRUE(succeeded(result));
+    const json written = json::parse(bytes_of(folder / "report.json"));
+    EXPECT_EQ(written, json::parse(result.standard_output));
+    EXPECT_FALSE(written.contains("effects"));
+    EXPECT_GE(written["stability"].size(), 80u);
+    for (const json& row : written["stability"]) {
+        EXPECT_TRUE(row["effect"].is_string() && row["case"].is_string() && row["bound"].is_string());
+        EXPECT_TRUE(row["value"].is_number()) << row;
+        EXPECT_EQ(row["pass"], true) << row;
+    }
+    EXPECT_NE(bytes_of(folder / "report.html").find("8192"), std::string::npos);
+}
+
 TEST_F(ReportTest, RefusesWrongCalls) {
     EXPECT_TRUE(refused_call(run_matchlight({"report", scene_})));
+    EXPECT_TRUE(refused_call(run_matchlight({"report", "-o", scratch_ / "report"})));
     EXPECT_TRUE(refused_call(report(scratch_ / "report", {"--effects", "blum"})));
     EXPECT_TRUE(refused_call(report(scratch_ / "report", {"--repeats", "0"})));
     EXPECT_TRUE(refused_call(report(scratch_ / "report", {"--frame", "-1"})));

@@ -1,0 +1,41 @@
+// Judges what a case gave.
+#include "report/stability_cases.h"
+
+#include <exception>
+
+#include <fmt/format.h>
+
+namespace matchlight {
+namespace {
+
+std::string bound_text(const std::string& measure, const Bound& bound) {
+    if (bound.least == bound.most) return fmt::format("{} is {:g}", measure, bound.least);
+    if (bound.least == 0) return fmt::format("{} at most {:g}", measure, bound.most);
+    return fmt::format("{} from {:g} to {:g}", measure, bound.least, bound.most);
+}
+
+}  // namespace
+
+StabilityRow stability_row(const StabilityCase& tried) {
+    StabilityRow row{.effect = tried.effect, .name = tried.name, .bound = bound_text(tried.measure, tried.bound)};
+    if (tried.energy) row.bound += "; " + bound_text("energy kept", *tried.energy);
+    try {
+        const StabilityOutcome outcome = tried.run();
+        row.value = outcome.value;
+        row.energy_kept = outcome.energy_kept;
+        row.pass = tried.bound.holds(outcome.value) &&
+                   (!tried.energy || (outcome.energy_kept && tried.energy->holds(*outcome.energy_kept)));
+    } catch (const std::exception& error) {
+        row.value = std::numeric_limits<double>::quiet_NaN();
+        row.name += fmt::format(" ({})", error.what());
+    }
+    return row;
+}
+
+std::vector<StabilityCase> stability_cases() {
+    std::vector<StabilityCase> all = number_cases();
+    for (const auto& more : {light_cases(), frame_cases()}) all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
+
+}  // namespace matchlight

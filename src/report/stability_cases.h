@@ -1,0 +1,61 @@
+// Stiff and extreme cases: what comes out of each part there, against a bound that it must keep.
+//
+// `matchlight report --stability` runs them all and prints the table; tests/gpu/stability_test.cpp runs the same.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gl/condition.h"
+#include "gl/shader_library.h"
+#include "render/frame_light.h"
+#include "report/report.h"
+
+namespace matchlight {
+
+struct StabilityOutcome {
+    double value = std::numeric_limits<double>::quiet_NaN();
+    std::optional<double> energy_kept;  // out over in, where light is spread
+};
+
+/// Both ends belong to it; NaN lies in none.
+struct Bound {
+    double least = 0, most = 0;
+    bool holds(double value) const { return value >= least && value <= most; }
+};
+
+struct StabilityCase {
+    std::string effect;  // the part of the program
+    std::string name;
+    std::string measure;  // what the value is: "largest error"
+    Bound bound;
+    std::optional<Bound> energy;  // bound of energy_kept
+    std::function<StabilityOutcome()> run;
+};
+
+/// Transfer curves, lens, depth, poses, sampled light, metrics, budgets: on the CPU.
+std::vector<StabilityCase> number_cases();
+/// Environment maps, shadows, bright light and its effects, whole frames: a context must be current where they run.
+std::vector<StabilityCase> light_cases();
+std::vector<StabilityCase> frame_cases();
+/// All of them.
+std::vector<StabilityCase> stability_cases();
+
+/// A camera effect on its own, for spill_cases().
+using AddSpill = std::function<GraphTexture(RenderGraph& graph, ShaderLibrary& shaders, const FrameLight& light,
+                                            GpuCondition& bright)>;
+struct SpillCaseBounds {
+    std::optional<Bound> energy;  // of light up to 65504 in the middle of a frame that holds what it spreads to
+    double most_gain = 1;         // of evenly lit frames
+    bool huge_frames = false;     // also 8192×4320
+};
+/// What every effect that spreads light must bear: one pixel of any value, and frames of any size.
+std::vector<StabilityCase> spill_cases(const std::string& effect, const SpillCaseBounds& bounds, const AddSpill& add);
+
+/// Runs it: a value or energy outside of its bound, or an exception, does not pass.
+StabilityRow stability_row(const StabilityCase& tried);
+
+}  // namespace matchlight
