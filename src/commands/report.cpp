@@ -95,7 +95,7 @@ void measure_scene(const ReportArguments& arguments, GlContext& gl, CommandConte
     report.height = stage.plate->format().height;
     report.provenance = fmt::format("matchlight {}\n{}", version, scene.effective_toml);
 
-    const ExperimentOptions options{.quick = arguments.quick};
+    const ExperimentOptions options{.quick = arguments.quick, .by_name = !arguments.effects.empty()};
     TimingOptions timing;
     timing.repeats = arguments.repeats > 0 ? arguments.repeats : arguments.quick ? 3 : 7;
     Progress progress("report", static_cast<std::int64_t>(all_experiments().size()) + (truth ? 1 : 0), context.quiet);

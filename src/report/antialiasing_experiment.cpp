@@ -90,7 +90,7 @@ std::optional<Experiment> antialiasing_experiment(const SceneStage& stage, const
             }
             const std::shared_ptr<Compositor> nothing = stage.compositor(away, quality, false);
             experiment.left_out = LeftOutTrial{.condition = "no object is in view",
-                                               .drawn = experiment.candidates.size(),
+                                               .drawn = candidate.work,
                                                .skipped = [&stage, nothing] { nothing->composite(*stage.plate); },
                                                .code_difference =
                                                    [&stage, nothing] {

@@ -58,11 +58,15 @@ EffectReport run_experiment(const Experiment& experiment, const CodeOfLight& cod
         works.push_back(candidate.work);
         if (!has_reference) continue;
         const ImageF picture = candidate.picture();
+        if (candidate.bytes) point.bytes = candidate.bytes();
         point.errors = errors_of(experiment.reference, picture, code_of);
         point.picture = code_of(repaired(picture));
         point.flip_map = flip_colors(flip_error_map(report.reference_picture, point.picture));
     }
-    if (experiment.left_out) works.push_back(experiment.left_out->skipped);
+    if (experiment.left_out) {
+        works.push_back(experiment.left_out->drawn);
+        works.push_back(experiment.left_out->skipped);
+    }
     const std::vector<RunTime> times = time_in_turn(works, experiment.stopwatch, timing);
     for (std::size_t i = 0; i < report.points.size(); ++i) {
         EffectPoint& point = report.points[i];
@@ -70,7 +74,7 @@ EffectReport run_experiment(const Experiment& experiment, const CodeOfLight& cod
         if (point.bytes > 0) point.bandwidth_bounds = times[i].median_ms * 1e-3 * copy_bytes_per_second() / point.bytes;
     }
     if (const auto& trial = experiment.left_out) {
-        report.left_out = LeftOutRow{trial->condition, times.at(trial->drawn).median_ms - times.back().median_ms,
+        report.left_out = LeftOutRow{trial->condition, times[times.size() - 2].median_ms - times.back().median_ms,
                                      trial->code_difference()};
     }
     return report;

@@ -16,12 +16,13 @@ struct Candidate {
     EffectPoint point;                // its level, knobs and precision
     std::function<void()> work;       // what is timed; empty: it takes no time
     std::function<ImageF()> picture;  // linear light, RGB, over the experiment's region
+    std::function<double()> bytes;    // moved, known after picture(); empty where it is not
 };
 
 /// How skipping the effect is measured.
 struct LeftOutTrial {
     std::string condition;
-    std::size_t drawn = 0;          // the candidate that is skipped
+    std::function<void()> drawn;    // the effect, where nothing needs it
     std::function<void()> skipped;  // what remains to be done
     /// Largest difference of 8-bit codes between the effect drawn and left out, where the condition holds.
     std::function<int()> code_difference;

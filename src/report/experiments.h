@@ -11,7 +11,8 @@
 namespace matchlight {
 
 struct ExperimentOptions {
-    bool quick = false;  // fewer candidates, cheaper references
+    bool quick = false;    // fewer candidates, cheaper references
+    bool by_name = false;  // asked for by name: with its defaults where the scene does without
 };
 
 // Each is absent where the scene does not have what it is about.
@@ -26,6 +27,10 @@ std::optional<Experiment> antialiasing_experiment(const SceneStage& stage, const
 std::optional<Experiment> reflection_experiment(const SceneStage& stage, const ExperimentOptions& options);
 /// What a glossy surface shows of it: lookups of the rough levels.
 std::optional<Experiment> glossy_experiment(const SceneStage& stage, const ExperimentOptions& options);
+
+/// Bloom as a mixture of Gaussians, and as the study had it.
+std::optional<Experiment> bloom_experiment(const SceneStage& stage, const ExperimentOptions& options);
+std::optional<Experiment> classic_bloom_experiment(const SceneStage& stage, const ExperimentOptions& options);
 
 struct NamedExperiment {
     std::string name;  // as --effects takes it

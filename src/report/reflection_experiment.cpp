@@ -153,13 +153,4 @@ std::optional<Experiment> glossy_experiment(const SceneStage& stage, const Exper
     return experiment;
 }
 
-const std::vector<NamedExperiment>& all_experiments() {
-    static const std::vector<NamedExperiment> experiments = {{"antialiasing", antialiasing_experiment},
-                                                             {"contact_shadow", contact_shadow_experiment},
-                                                             {"object_shadow", object_shadow_experiment},
-                                                             {"reflection", reflection_experiment},
-                                                             {"glossy_reflection", glossy_experiment}};
-    return experiments;
-}
-
 }  // namespace matchlight

@@ -171,7 +171,7 @@ std::optional<Experiment> contact_shadow_experiment(const SceneStage& stage, con
         };
         if (choice.label == "final") {
             experiment.left_out = LeftOutTrial{.condition = "no object casts a shadow on the surface",
-                                               .drawn = experiment.candidates.size(),
+                                               .drawn = candidate.work,
                                                .skipped = {},
                                                .code_difference = [&stage, quality] {
                                                    const Scene open = without_casters(stage.scene);
@@ -328,7 +328,7 @@ std::optional<Experiment> object_shadow_experiment(const SceneStage& stage, cons
             };
         if (choice.label == "final") {
             experiment.left_out = LeftOutTrial{.condition = "no object casts a shadow",
-                                               .drawn = experiment.candidates.size(),
+                                               .drawn = candidate.work,
                                                .skipped = {},
                                                .code_difference = [&stage, quality] {
                                                    const Scene open = without_casters(stage.scene);

@@ -49,7 +49,7 @@ using AddSpill = std::function<GraphTexture(RenderGraph& graph, ShaderLibrary& s
                                             GpuCondition& bright)>;
 struct SpillCaseBounds {
     std::optional<Bound> energy;  // of light up to 65504 in the middle of a frame that holds what it spreads to
-    double most_gain = 1;         // of evenly lit frames
+    double most_gain = 1.002;     // of evenly lit frames: half floats round twice
     bool huge_frames = false;     // also 8192×4320
 };
 /// What every effect that spreads light must bear: one pixel of any value, and frames of any size.

@@ -12,6 +12,7 @@
 #include "core/warnings.h"
 #include "gl/framebuffer.h"
 #include "media/image_io.h"
+#include "render/effects/bloom.h"
 #include "render/effects/bright_pass.h"
 #include "render/effects/contact_shadow.h"
 #include "render/environment.h"
@@ -299,6 +300,34 @@ std::vector<StabilityCase> spill_cases(const std::string& effect, const SpillCas
     return cases;
 }
 
+namespace {
+
+void add_bloom_cases(std::vector<StabilityCase>& cases) {
+    struct Level {
+        const char* name;
+        BloomLevel level;
+        double least_energy;
+    };
+    // What lies beyond three standard deviations of two axes is 0.5 % of a Gaussian; the frame holds the rest. The
+    // finest square of the classic model is finer than the frame here: pixels sample it with gaps.
+    for (const auto& [name, level, least_energy] :
+         {Level{"bloom, pyramid", BloomLevel::pyramid, 0.994}, Level{"bloom, classic", BloomLevel::classic, 0.99},
+          Level{"bloom, reference", BloomLevel::reference, 0.994}}) {
+        const BloomSettings settings{
+            .level = level, .threshold = 0, .knee = 0, .strength = 1, .radius = 0.03, .firefly_safe = false};
+        const AddSpill bloom = [settings](RenderGraph& graph, ShaderLibrary& shaders, const FrameLight& light,
+                                          GpuCondition& bright) {
+            return add_bloom(graph, shaders, light, settings, bloom_knobs(settings, QualityLevel::final_), 1, bright);
+        };
+        for (StabilityCase& one :
+             spill_cases(name, {.energy = Bound{least_energy, 1.002}, .huge_frames = true}, bloom)) {
+            cases.push_back(std::move(one));
+        }
+    }
+}
+
+}  // namespace
+
 std::vector<StabilityCase> light_cases() {
     std::vector<StabilityCase> cases;
     add_environment_cases(cases);
@@ -313,6 +342,7 @@ std::vector<StabilityCase> light_cases() {
          spill_cases("bright pass", {.energy = Bound{0.999, 1.001}, .huge_frames = true}, bright_pass)) {
         cases.push_back(std::move(one));
     }
+    add_bloom_cases(cases);
     return cases;
 }
 

@@ -1,0 +1,15 @@
+// The table of experiments, in the order of the report.
+#include "report/experiments.h"
+
+namespace matchlight {
+
+const std::vector<NamedExperiment>& all_experiments() {
+    static const std::vector<NamedExperiment> experiments = {
+        {"antialiasing", antialiasing_experiment},   {"contact_shadow", contact_shadow_experiment},
+        {"object_shadow", object_shadow_experiment}, {"reflection", reflection_experiment},
+        {"glossy_reflection", glossy_experiment},    {"bloom", bloom_experiment},
+        {"classic_bloom", classic_bloom_experiment}};
+    return experiments;
+}
+
+}  // namespace matchlight
