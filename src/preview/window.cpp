@@ -1,6 +1,7 @@
 // GLFW's callbacks collect what happened; nothing is done inside them.
 #include "preview/window.h"
 
+#include <cstdlib>
 #include <string_view>
 #include <utility>
 
@@ -31,9 +32,11 @@ PreviewWindow::PreviewWindow() {
     std::string failure;
     context_ = WindowContext::create("matchlight preview", "GLFW window", failure);
     if (!context_) {
+        const char* display = std::getenv("DISPLAY");
         throw InputError({},
-                         fmt::format("no window with OpenGL {}.{} could be opened through GLFW: {}", required_gl_major,
-                                     required_gl_minor, failure),
+                         fmt::format("no window with OpenGL {}.{} could be opened (GLFW, DISPLAY is {}): {}",
+                                     required_gl_major, required_gl_minor,
+                                     display != nullptr ? fmt::format("'{}'", printable(display)) : "not set", failure),
                          "run it on a desktop, or under xvfb-run (Debian: xvfb)");
     }
     listen();

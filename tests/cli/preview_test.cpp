@@ -1,0 +1,198 @@
+// The preview shows what render writes, follows its keys, and takes new shaders while it runs.
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "media/image_io.h"
+#include "run_matchlight.h"
+#include "virtual_display.h"
+
+namespace matchlight::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+bool same(const Image8& a, const Image8& b) {
+    return a.width() == b.width() && a.height() == b.height() && std::ranges::equal(a.samples(), b.samples());
+}
+
+class PreviewTest : public CommandTest {
+protected:
+    void SetUp() override {
+        shot_ = scratch_.copy_sample("table");
+        scene_ = shot_ / "table.toml";
+        ASSERT_TRUE(succeeded(run_matchlight({"track", scene_})));
+        options_.environment["DISPLAY"] = display_.name();
+    }
+
+    static std::vector<std::string> call_of(const fs::path& scene, const std::vector<std::string>& more) {
+        std::vector<std::string> call{"preview", scene, "--level", "draft"};
+        call.insert(call.end(), more.begin(), more.end());
+        return call;
+    }
+
+    Image8 snapshot(const std::vector<std::string>& more) {
+        const fs::path output = scratch_ / ("snapshot" + std::to_string(++snapshots_) + ".png");
+        std::vector<std::string> call = call_of(scene_, more);
+        call.insert(call.end(), {"--snapshot", output});
+        result_ = run_matchlight(call, options_);
+        EXPECT_TRUE(succeeded(result_));
+        return read_rgb8(output);
+    }
+
+    Image8 rendered(int frame) const {
+        const fs::path output = scratch_ / "out_%03d.png";
+        EXPECT_TRUE(succeeded(run_matchlight({"render", scene_, "-o", output, "--level", "draft", "--frames",
+                                              std::to_string(frame) + "-" + std::to_string(frame), "--overwrite"},
+                                             options_)));
+        return read_rgb8(numbered(output, frame));
+    }
+
+    void append_to_scene(const std::string& text) const { std::ofstream(scene_, std::ios::app) << text; }
+
+    VirtualDisplay display_{scratch_.path()};
+    RunOptions options_;
+    RunResult result_;
+    fs::path shot_;
+    fs::path scene_;
+    int snapshots_ = 0;
+};
+
+TEST_F(PreviewTest, ShowsWhatRenderWrites) {
+    const Image8 of_render = rendered(5);
+    EXPECT_TRUE(same(snapshot({"--frame", "5"}), of_render));
+    // The same frame by another way there, in a window twice as large, sample by sample.
+    const Image8 large = snapshot({"--keys", "end,pageup,right,right,left,right,right,right", "--size", "1280x720"});
+    ASSERT_EQ(large.width(), 1280);
+    for (int y = 0; y < 720; ++y) {
+        for (int x = 0; x < 1280; ++x) {
+            ASSERT_TRUE(std::equal(large.pixel(x, y), large.pixel(x, y) + 3, of_render.pixel(x / 2, y / 2)))
+                << x << ' ' << y;
+        }
+    }
+}
+
+TEST_F(PreviewTest, LeavesBarsInWindowsOfAnotherShape) {
+    const Image8 of_render = rendered(0);
+    const Image8 shown = snapshot({"--size", "700x400"});
+    ASSERT_EQ(shown.width(), 700);
+    ASSERT_EQ(shown.height(), 400);
+    // 640 × 360 in 700 × 400 is 700 × 394.
+    for (const int y : {0, 1, 2, 397, 398, 399}) {
+        for (const std::uint8_t sample : shown.row(y)) ASSERT_EQ(sample, 0) << y;
+    }
+    EXPECT_NEAR(shown.at(350, 200, 0), of_render.at(320, 180, 0), 24);
+}
+
+TEST_F(PreviewTest, KeysSwitchWhatIsDrawn) {
+    const Image8 composite = snapshot({});
+    const Image8 plate = snapshot({"--keys", "p"});
+    EXPECT_FALSE(same(composite, plate));
+    EXPECT_TRUE(same(snapshot({"--keys", "p,p"}), composite));
+    const Image8 without_shadow = snapshot({"--keys", "s"});
+    EXPECT_FALSE(same(without_shadow, composite));
+    EXPECT_FALSE(same(without_shadow, plate));
+    EXPECT_TRUE(same(snapshot({"--keys", "l,l,l,l"}), composite));
+}
+
+TEST_F(PreviewTest, BloomSwitchedOnIsTheScenesBloom) {
+    // Light that is bright to objects, so that they send some beyond the threshold.
+    const std::string text = bytes_of(scene_);
+    const std::string probe = "probe = \"probe.exr\"\n";
+    std::ofstream(scene_) << text.substr(0, text.find(probe)) << probe << "exposure_ev = 3\n"
+                          << text.substr(text.find(probe) + probe.size());
+    const Image8 without = snapshot({});
+    const Image8 switched_on = snapshot({"--keys", "b"});
+    EXPECT_FALSE(same(without, switched_on));
+    append_to_scene("\n[effects]\nbloom = \"auto\"\n");
+    EXPECT_TRUE(same(rendered(0), switched_on));
+    EXPECT_TRUE(same(snapshot({"--keys", "b"}), without));
+}
+
+TEST_F(PreviewTest, PrintsThePassesAndTheKeys) {
+    snapshot({"--keys", "right,e,h"});
+    EXPECT_THAT(result_.standard_output, HasSubstr("frame 1\n"));
+    EXPECT_THAT(result_.standard_output, HasSubstr("surface "));
+    EXPECT_THAT(result_.standard_output, HasSubstr("pagedown  ten frames on"));
+    // Programs get the result alone.
+    snapshot({"--keys", "right,e", "--json"});
+    EXPECT_EQ(nlohmann::json::parse(result_.standard_output).at("frame").get<int>(), 1);
+}
+
+TEST_F(PreviewTest, PutsTheFrameOnTheScreenAndTakesNewShaders) {
+    const fs::path shaders = scratch_ / "shaders";
+    fs::copy(fs::path(MATCHLIGHT_SOURCE_DIR) / "shaders", shaders, fs::copy_options::recursive);
+    options_.environment["MATCHLIGHT_SHADERS"] = shaders;
+    RunningMatchlight preview(call_of(scene_, {"--keys", "right,right"}), options_);
+    const Image8 before = rendered(2);
+    EXPECT_TRUE(display_.comes_to_show(before));
+
+    const fs::path shader = shaders / "composite/composite.frag";
+    const std::string good = bytes_of(shader);
+    const std::string line = "composited_code = touched ? vec4(code_from_linear(linear), 1.0)";
+    const std::size_t at = good.find(line);
+    ASSERT_NE(at, std::string::npos);
+    const std::string grey =
+        good.substr(0, at) + "composited_code = touched ? vec4(vec3(0.5), 1.0)" + good.substr(at + line.size());
+    std::ofstream(shader) << grey;
+    const Image8 greyed = rendered(2);
+    EXPECT_FALSE(same(greyed, before));
+    EXPECT_TRUE(display_.comes_to_show(greyed));
+
+    // Broken, the picture stays; mended, it is as it was.
+    std::ofstream(shader) << good << "\nthis is no shader\n";
+    std::this_thread::sleep_for(std::chrono::seconds(1));  // files are looked at three times a second
+    EXPECT_TRUE(display_.comes_to_show(greyed));
+    std::ofstream(shader) << good;
+    EXPECT_TRUE(display_.comes_to_show(before));
+
+    preview.send(SIGTERM);
+    const RunResult result = preview.wait();
+    EXPECT_EQ(result.status, 1);
+    EXPECT_THAT(result.standard_output, HasSubstr("new: common/fullscreen.vert + composite/composite.frag"));
+    EXPECT_THAT(result.standard_output, HasSubstr("composite.frag: does not compile"));
+    EXPECT_THAT(result.standard_error, HasSubstr("stopped by a signal"));
+}
+
+TEST_F(PreviewTest, PlaysToTheEndAndQuits) {
+    RunningMatchlight preview(call_of(scene_, {"--keys", "space"}), options_);
+    EXPECT_TRUE(display_.comes_to_show(rendered(11)));
+    preview.send(SIGTERM);
+    EXPECT_EQ(preview.wait().status, 1);
+    const RunResult quit = run_matchlight(call_of(scene_, {"--keys", "right,l,r,left,q"}), options_);
+    EXPECT_TRUE(succeeded(quit));
+    EXPECT_LT(quit.seconds, 60);
+}
+
+TEST_F(PreviewTest, BadInputsAreToldInOneLine) {
+    const fs::path output = scratch_ / "out.png";
+    RunOptions nowhere = options_;
+    nowhere.environment["DISPLAY"] = "";
+    nowhere.environment["WAYLAND_DISPLAY"] = "";
+    EXPECT_TRUE(failed_naming(run_matchlight(call_of(scene_, {"--snapshot", output}), nowhere),
+                              {"window", "GLFW", "DISPLAY", "xvfb-run"}));
+    EXPECT_TRUE(failed_naming(run_matchlight(call_of(scene_, {"--frame", "12", "--snapshot", output}), options_),
+                              {"plate.mp4", "frame 12"}));
+    EXPECT_TRUE(failed_naming(run_matchlight(call_of(scene_, {"--snapshot", scratch_ / "out.jpg"}), options_),
+                              {"out.jpg", ".png"}));
+    EXPECT_TRUE(failed_naming(run_matchlight(call_of(scene_, {"--snapshot", scene_}), options_), {"table.toml"}));
+    EXPECT_TRUE(
+        failed_naming(run_matchlight(call_of(shot_ / "none.toml", {"--snapshot", output}), options_), {"none.toml"}));
+    EXPECT_TRUE(nothing_left_of(output));
+    for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
+             {"--keys", "b,bogus"}, {"--size", "12"}, {"--size", "0x5"}, {"--size", "5x5x5"}, {"--frame", "-1"}}) {
+        EXPECT_TRUE(refused_call(run_matchlight(call_of(scene_, wrong), options_))) << wrong[1];
+    }
+}
+
+}  // namespace
+}  // namespace matchlight::test
