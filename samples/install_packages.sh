@@ -17,6 +17,8 @@ packages=(
     libapriltag-dev libceres-dev
     # models and drawing; Mesa's software rasteriser serves where there is no GPU
     libassimp-dev libegl-dev libegl1 libegl-mesa0 libepoxy-dev libfftw3-dev libgl1-mesa-dri libglfw3-dev libglm-dev
+    # a screen for the tests of the preview's window, where there is none
+    xvfb
 )
 if [ "${1:-}" = "--development" ]; then
     packages+=(ccache clang-format clang-tidy)

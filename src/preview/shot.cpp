@@ -1,6 +1,7 @@
 // Loads as render does, and remakes as little as a switch needs.
 #include "preview/shot.h"
 
+#include "compositor/exposure_meter.h"
 #include "scene/footage_options.h"
 #include "tracking/scene_solve.h"
 
@@ -51,12 +52,16 @@ void Shot::make_compositor() {
     scene.surface.shadow = switches_.shadow;
     scene.quality = switches_.level;
     compositor_.reset();  // its textures first: two sets may be more than the memory holds
+    Solve solve = solve_;
+    context_.make_current();
+    meter_clip(solve, scene, context_, {}, warnings_);
     compositor_ =
-        std::make_unique<Compositor>(context_, scene, solve_, CompositorOptions{.quality = scene.quality}, warnings_);
+        std::make_unique<Compositor>(context_, scene, solve, CompositorOptions{.quality = scene.quality}, warnings_);
 }
 
 void Shot::set_switches(const ShotSwitches& switches) {
-    const bool remake = switches.shadow != switches_.shadow || switches.level != switches_.level;
+    const bool remake = switches.shadow != switches_.shadow || switches.level != switches_.level ||
+                        switches.exposure != switches_.exposure;
     switches_ = switches;
     if (remake) compositor_.reset();
     if (compositor_) compositor_->set_effects(switched_effects(scene_.effects, switches_));

@@ -33,11 +33,13 @@ class Shot {
 public:
     /// Reads the scene and all that belongs to it. `context` and `warnings` must outlive it. Throws InputError.
     Shot(GlContext& context, const std::filesystem::path& scene_path, Warnings& warnings);
+    Shot(const Shot&) = delete;
+    Shot& operator=(const Shot&) = delete;
 
     /// As the scene file has them.
     ShotSwitches scene_switches() const;
     const ShotSwitches& switches() const { return switches_; }
-    /// Shadow and level make what the clip shares anew; the rest costs nothing. Throws InputError.
+    /// Shadow, level and exposure make anew what the clip shares, with the next frame; the rest costs nothing.
     void set_switches(const ShotSwitches& switches);
 
     FrameCache& frames() { return frames_; }
