@@ -24,10 +24,16 @@ void BloomSettings::check() const {
 
 void ApertureSettings::check() const {
     check_range("aperture blades", blades, 0, 32);
+    if (blades == 1 || blades == 2) {
+        throw std::invalid_argument(fmt::format("aperture blades is {}, not 0 (round) or from 3 to 32", blades));
+    }
     check_range("aperture rotation_deg", rotation_deg, -36000, 36000);
     check_range("aperture roundness", roundness, 0, 1);
     check_range("aperture eyelashes", eyelashes, 0, 1000);
     check_range("aperture dust", dust, 0, 10000);
+    check_range("aperture seed", seed, 0, 1e9);
+    if (f_number) check_range("aperture f_number", *f_number, 0.1, 1000);
+    if (pixel_pitch_um) check_range("aperture pixel_pitch_um", *pixel_pitch_um, 0.01, 10000);
 }
 
 void GlareSettings::check() const {
@@ -38,6 +44,7 @@ void GlareSettings::check() const {
     check_range("glare angle_deg", angle_deg, -36000, 36000);
     check_range("glare attenuation", attenuation, 0, 0.999);
     check_range("glare passes", passes, 1, 5);
+    check_range("glare size", size, 0.001, 1);
     check_range("glare halo", halo, 0, 100);
     aperture.check();
 }

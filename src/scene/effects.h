@@ -33,7 +33,11 @@ struct ApertureSettings {
     double roundness = 0;  // 0: straight blades; 1: a circle
     int eyelashes = 0;
     int dust = 0;                 // specks
-    std::filesystem::path image;  // instead of all this: white lets light through
+    int seed = 1;                 // of eyelashes and dust
+    std::filesystem::path image;  // instead of blades: white lets light through
+    // Where both are known, diffraction has its true size: GlareSettings::size is left alone.
+    std::optional<double> f_number;
+    std::optional<double> pixel_pitch_um;  // of a pixel of the footage on the sensor
 
     void check() const;
 };
@@ -48,6 +52,7 @@ struct GlareSettings {
     double angle_deg = 45;      // of the first streak, counter-clockwise from the picture's right
     double attenuation = 0.92;  // a: of light from step to step, each 1/128 of the frame's height
     int passes = 3;             // a streak is 4^passes steps long
+    double size = 0.25;         // how far diffraction reaches, in frame heights
     double halo = 0;            // strength of the lenticular halo
     ApertureSettings aperture;  // of `diffraction`
 
