@@ -34,10 +34,10 @@ struct ApertureSettings {
     int eyelashes = 0;
     int dust = 0;                 // specks
     int seed = 1;                 // of eyelashes and dust
-    std::filesystem::path image;  // instead of blades: white lets light through
+    std::filesystem::path image = {};  // instead of blades: white lets light through
     // Where both are known, diffraction has its true size: GlareSettings::size is left alone.
-    std::optional<double> f_number;
-    std::optional<double> pixel_pitch_um;  // of a pixel of the footage on the sensor
+    std::optional<double> f_number = {};
+    std::optional<double> pixel_pitch_um = {};  // of a pixel of the footage on the sensor
 
     void check() const;
 };

@@ -20,14 +20,16 @@
 namespace matchlight {
 namespace {
 
+using Complex = std::complex<double>;
+
 /// Samples of a power spectrum from an aperture image λ / (4 · diameter) apart: as many to the first dark ring.
 constexpr double ring_in_samples = airy_ring * aperture_field;
 
 /// The transform of a real picture: columns 0 … side / 2.
-std::vector<std::complex<double>> transformed(const Image<double>& image) {
+std::vector<Complex> transformed(const Image<double>& image) {
     const int side = image.width();
     std::vector<double> in(image.samples().begin(), image.samples().end());
-    std::vector<std::complex<double>> out(static_cast<std::size_t>(side / 2 + 1) * side);
+    std::vector<Complex> out(static_cast<std::size_t>(side / 2 + 1) * side);
     static std::mutex planner;  // FFTW's is not safe for threads
     const std::lock_guard lock(planner);
     const fftw_plan plan =
@@ -37,48 +39,52 @@ std::vector<std::complex<double>> transformed(const Image<double>& image) {
     return out;
 }
 
-/// |FFT(aperture)|² outside of the first dark ring, the middle of the pattern in the middle of the table.
+/// |FFT(aperture)|², no more in its middle than beyond the first dark ring.
 class PowerSpectrum {
 public:
     PowerSpectrum(const ApertureSettings& aperture, int side, double furthest_sample)
         : reach_(std::min(side / 2 - 1, static_cast<int>(std::ceil(furthest_sample)) + 2)),
-          table_(2 * reach_ + 1, 2 * reach_ + 1, 1) {
+          amplitude_(2 * reach_ + 1, 2 * reach_ + 1, 2) {
         const auto spectrum = transformed(make_aperture_image(aperture, side));
-        // A texel holds the mean over its square, which weakens high frequencies by a known factor.
-        std::vector<double> restored(static_cast<std::size_t>(side / 2));
-        for (int k = 0; k < side / 2; ++k) {
+        // A texel holds the mean over its square, which weakens high frequencies by a known factor; and the aperture is
+        // in the image's middle instead of its corner, without which the phase would turn fast from sample to sample.
+        std::vector<Complex> restored;
+        for (int k = -reach_; k <= reach_; ++k) {
             const double x = std::numbers::pi * k / side;
-            restored[static_cast<std::size_t>(k)] = k == 0 ? 1 : std::pow(x / std::sin(x), 2);
+            restored.push_back(std::polar(k == 0 ? 1 : x / std::sin(x), x * (side - 1)));
         }
         for (int y = -reach_; y <= reach_; ++y) {
             for (int x = -reach_; x <= reach_; ++x) {
-                if (std::hypot(x, y) < ring_in_samples) continue;
                 // The left half mirrors the right one.
-                const int column = std::abs(x);
                 const int row = ((x < 0 ? -y : y) + side) % side;
-                table_.at(x + reach_, y + reach_) =
-                    std::norm(spectrum[static_cast<std::size_t>(row) * (side / 2 + 1) + column]) *
-                    restored[static_cast<std::size_t>(column)] * restored[static_cast<std::size_t>(std::abs(y))];
+                const Complex half = spectrum[static_cast<std::size_t>(row) * (side / 2 + 1) + std::abs(x)];
+                const Complex amplitude = (x < 0 ? std::conj(half) : half) *
+                                          restored[static_cast<std::size_t>(x + reach_)] *
+                                          restored[static_cast<std::size_t>(y + reach_)];
+                amplitude_.at(x + reach_, y + reach_, 0) = amplitude.real();
+                amplitude_.at(x + reach_, y + reach_, 1) = amplitude.imag();
+                if (std::hypot(x, y) >= ring_in_samples) most_ = std::max(most_, std::norm(amplitude));
             }
         }
     }
 
-    /// Between samples by Catmull-Rom splines, not below 0; 0 beyond what was computed.
+    /// The amplitude between samples is by Catmull-Rom splines; it is 0 beyond what was computed.
     double at(double x, double y) const {
         const double left = std::floor(x);
         const double top = std::floor(y);
         const int column = static_cast<int>(left) + reach_ - 1;
         const int row = static_cast<int>(top) + reach_ - 1;
-        if (column < 0 || row < 0 || column + 4 > table_.width() || row + 4 > table_.height()) return 0;
+        if (column < 0 || row < 0 || column + 4 > amplitude_.width() || row + 4 > amplitude_.height()) return 0;
         const auto across = weights(x - left);
         const auto down = weights(y - top);
-        double sum = 0;
+        double re = 0, im = 0;
         for (int v = 0; v < 4; ++v) {
-            const double* p = table_.pixel(column, row + v);
-            sum += down[static_cast<std::size_t>(v)] *
-                   (across[0] * p[0] + across[1] * p[1] + across[2] * p[2] + across[3] * p[3]);
+            const double* p = amplitude_.pixel(column, row + v);
+            const double weight = down[static_cast<std::size_t>(v)];
+            re += weight * (across[0] * p[0] + across[1] * p[2] + across[2] * p[4] + across[3] * p[6]);
+            im += weight * (across[0] * p[1] + across[1] * p[3] + across[2] * p[5] + across[3] * p[7]);
         }
-        return std::max(sum, 0.0);
+        return std::min(re * re + im * im, most_);
     }
 
 private:
@@ -88,7 +94,8 @@ private:
     }
 
     int reach_;
-    Image<double> table_;
+    Image<double> amplitude_;  // real and imaginary part; the pattern's middle in the middle
+    double most_ = 0;          // power beyond the first dark ring
 };
 
 /// 1 up to three quarters of the reach, 0 from the reach on.

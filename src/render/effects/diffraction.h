@@ -26,7 +26,7 @@ inline constexpr double diffraction_wavelength_nm = 550;
 /// Radius of the first dark ring of a round aperture, in wavelengths over the aperture's diameter (Airy 1835).
 inline constexpr double airy_ring = 1.2197;
 /// How far the pattern is followed, in radii of that ring; it fades out over the last quarter.
-inline constexpr double reach_in_airy_radii = 64;
+inline constexpr double reach_in_airy_radii = 32;
 
 /// Radius of the first dark ring on the sensor.
 double airy_radius_px(double f_number, double pixel_pitch_um);

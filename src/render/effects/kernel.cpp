@@ -36,6 +36,33 @@ Image<double> gather(const KernelShape& shape, int scale, int radius, const Ligh
     return kernel;
 }
 
+/// Along an axis: 2 − B of every texel, B the quadratic B-spline (1/8, 6/8, 1/8).
+void sharpen(Image<double>& kernel, int step_x, int step_y) {
+    const Image<double> blurred = kernel;
+    for (int y = 0; y < kernel.height(); ++y) {
+        for (int x = 0; x < kernel.width(); ++x) {
+            for (int c = 0; c < 3; ++c) {
+                const auto at = [&](int u, int v) {
+                    return blurred.bounds().contains(u, v) ? blurred.at(u, v, c) : 0.0;
+                };
+                kernel.at(x, y, c) =
+                    std::max(0.0, 1.25 * at(x, y) - (at(x - step_x, y - step_y) + at(x + step_x, y + step_y)) / 8);
+            }
+        }
+    }
+}
+
+Image<double> middle_of(const Image<double>& kernel, int radius) {
+    const int margin = kernel.width() / 2 - radius;
+    if (margin == 0) return kernel;
+    Image<double> middle(2 * radius + 1, 2 * radius + 1, 3);
+    for (int y = 0; y < middle.height(); ++y) {
+        const double* from = kernel.pixel(margin, margin + y);
+        std::copy(from, from + middle.row(y).size(), middle.row(y).begin());
+    }
+    return middle;
+}
+
 Eigen::Vector3d sum_of(const Image<double>& kernel) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int y = 0; y < kernel.height(); ++y) {
@@ -56,7 +83,8 @@ int kernel_radius(double reach_px, int scale) {
 Image<double> gather_kernel(const KernelShape& shape, const KernelGrid& grid, const LightAtOffset& light_at) {
     const int radius = kernel_radius(shape.reach_px, grid.scale);
     const int kept = std::min(radius, grid.most_radius);
-    Image<double> kernel = gather(shape, grid.scale, kept, light_at);
+    // One texel more, for the sharpening of the last one.
+    Image<double> kernel = gather(shape, grid.scale, std::min(radius, kept + 1), light_at);
     Eigen::Vector3d total = sum_of(kernel);
     if (kept < radius) {
         // The whole of it at a scale at which it has a bearable size.
@@ -64,6 +92,15 @@ Image<double> gather_kernel(const KernelShape& shape, const KernelGrid& grid, co
         const int coarse = static_cast<int>(std::ceil(shape.reach_px / std::max(kept, fewest)));
         total = sum_of(gather(shape, coarse, kernel_radius(shape.reach_px, coarse), light_at));
     }
+    // What texels of several pixels are mean over, and are interpolated from, blurs as a quadratic B-spline does:
+    // undone to first order, without going below 0.
+    if (grid.scale > 1) {
+        const Eigen::Vector3d before = sum_of(kernel);
+        sharpen(kernel, 1, 0);
+        sharpen(kernel, 0, 1);
+        total = total.cwiseProduct(sum_of(kernel)).cwiseQuotient(before.cwiseMax(1e-300));
+    }
+    kernel = middle_of(kernel, kept);
     for (int c = 0; c < 3; ++c) {
         if (total[c] == 0) {
             kernel.at(kept, kept, c) = 1;

@@ -20,11 +20,11 @@ struct WaveGlareOptions {
     int frame_width = 0;
     int frame_height = 0;
     double focal_px = 0;     // sets the size of the halo
-    int least_scale = 4;     // frame pixels along a side of a texel, at least
-    int most_side = 1024;    // of a transform: larger frames get a larger scale
+    int least_scale = 1;     // frame pixels along a side of a texel, at least
+    int most_side = 1024;    // of a transform, up to 2048: larger frames get a larger scale
     bool half_float = true;  // precision of the result
-    DiffractionQuality diffraction;
-    HaloQuality halo;
+    DiffractionQuality diffraction = {};
+    HaloQuality halo = {};
 };
 
 /// The kernel of a scene's glare: made once, on the CPU, and transformed once for each size of transform that frames
