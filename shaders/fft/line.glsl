@@ -8,6 +8,9 @@
 // Sign and scale are FFTW's: X[k] = sum over n of x[n] exp(-2 pi i n k / LENGTH). Backwards is the same with real and
 // imaginary parts swapped before and after, not divided.
 
+#ifndef LENGTH
+#define LENGTH 16
+#endif
 #define RADIX (LENGTH < 4 ? LENGTH : 4)
 #define THREADS (LENGTH / RADIX)
 layout(local_size_x = THREADS) in;

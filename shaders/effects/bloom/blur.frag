@@ -3,6 +3,11 @@
 // fine (WIDER 1) or half as fine (WIDER 2).
 #include "common/graph.glsl"
 
+#ifndef RADIUS
+#define RADIUS 1
+#define STEP ivec2(1, 0)
+#endif
+
 uniform sampler2D source;
 uniform ivec4 source_region;
 uniform float taps[RADIUS + 1];

@@ -4,6 +4,10 @@
 #include "common/condition.glsl"
 #include "common/graph.glsl"
 
+#ifndef SCALE
+#define SCALE 1
+#endif
+
 uniform sampler2D after;  // RGB light, a: share of it that objects send
 uniform ivec4 after_region;
 uniform sampler2D before;
