@@ -23,7 +23,7 @@ std::span<const PreviewKey> preview_keys() {
         {"end", GLFW_KEY_END, last, "the last frame"},
         {"b", 0, bloom, "bloom on or off"},
         {"g", 0, glare, "glare on or off"},
-        {"d", 0, dazzle, "dazzling reflection on or off"},
+        {"d", 0, dazzle, "dazzling reflection on or off: what objects send to bloom and glare"},
         {"x", 0, exposure, "exposure control on or off"},
         {"s", 0, shadow, "shadow on the surface on or off"},
         {"p", 0, plate, "the plate alone, or the composite"},

@@ -287,7 +287,7 @@ std::string Preview::title() const {
     };
     add(switches.bloom, "bloom");
     add(switches.glare, "glare");
-    add(switches.dazzle, "dazzle");
+    add(switches.dazzle && (switches.bloom || switches.glare), "dazzle");
     add(switches.exposure, "exposure");
     add(switches.shadow, "shadow");
     std::string text =

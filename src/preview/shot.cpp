@@ -21,7 +21,7 @@ EffectSettings switched_effects(const EffectSettings& of_scene, const ShotSwitch
     EffectSettings effects = of_scene;
     switch_effect(effects.bloom, switches.bloom);
     switch_effect(effects.glare, switches.glare);
-    switch_effect(effects.dazzle, switches.dazzle);
+    if (!switches.dazzle) effects.dazzle = DazzleSettings{.strength = 0, .glare = {}};
     // Matched exposure is what holds without exposure control: the switch is between that and the simulated one.
     switch_effect(effects.exposure, switches.exposure);
     if (effects.exposure) effects.exposure->mode = ExposureMode::simulated;
@@ -40,7 +40,7 @@ ShotSwitches Shot::scene_switches() const {
     const EffectSettings& effects = scene_.effects;
     return {.bloom = effects.bloom.has_value(),
             .glare = effects.glare.has_value(),
-            .dazzle = effects.dazzle.has_value(),
+            .dazzle = true,
             .exposure = effects.exposure && effects.exposure->mode == ExposureMode::simulated,
             .shadow = scene_.surface.present && scene_.surface.shadow,
             .level = scene_.quality};

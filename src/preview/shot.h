@@ -20,7 +20,7 @@ namespace matchlight {
 struct ShotSwitches {
     bool bloom = false;
     bool glare = false;
-    bool dazzle = false;
+    bool dazzle = false;    // as the scene has it; or objects send nothing to bloom and glare
     bool exposure = false;  // simulated exposure control
     bool shadow = false;    // on the surface
     QualityLevel level = QualityLevel::final_;

@@ -18,11 +18,18 @@ TEST(Switches, take_the_scenes_settings_where_it_has_them) {
 }
 
 TEST(Switches, take_defaults_where_it_has_none) {
-    const EffectSettings effects =
-        switched_effects({}, {.bloom = true, .glare = true, .dazzle = true, .exposure = true});
-    ASSERT_TRUE(effects.bloom && effects.glare && effects.dazzle && effects.exposure);
+    const EffectSettings effects = switched_effects({}, {.bloom = true, .glare = true, .exposure = true});
+    ASSERT_TRUE(effects.bloom && effects.glare && effects.exposure);
     EXPECT_EQ(effects.bloom->strength, BloomSettings{}.strength);
     EXPECT_EQ(effects.exposure->mode, ExposureMode::simulated);
+}
+
+TEST(Switches, leave_objects_out_of_what_spills) {
+    EffectSettings of_scene;
+    EXPECT_FALSE(switched_effects(of_scene, {.dazzle = true}).dazzle);
+    of_scene.dazzle.emplace().strength = 3;
+    EXPECT_EQ(switched_effects(of_scene, {.dazzle = true}).dazzle->strength, 3);
+    EXPECT_EQ(switched_effects(of_scene, {}).dazzle->strength, 0);
 }
 
 TEST(Switches, between_matched_and_simulated_exposure) {
