@@ -142,11 +142,11 @@ void Fft2d::convolve(const Convolution& convolution, RgbSpectrum& scratch) {
 
 double Fft2d::bytes(const Convolution& convolution) const {
     constexpr double complex_rgb = 2 * 16;  // two RGBA32F textures
-    const double half = width_ / 2 + 1;
+    const int half = width_ / 2 + 1;
     const double rows_in = even_above(convolution.source.texels.height);
     const double rows_out = even_above(convolution.height);
-    const double spectrum = half * complex_rgb * 2 * (rows_in + rows_out);
-    return spectrum + half * height_ * 16;
+    const double spectrum = complex_rgb * half * 2 * (rows_in + rows_out);
+    return spectrum + 16.0 * half * height_;
 }
 
 }  // namespace matchlight

@@ -22,8 +22,9 @@ Image<double> reference_halo(const Image<double>& bright_light, const HaloRefere
         for (int x = 0; x < kernel.width(); ++x) {
             std::array<double, 3> sum{};
             for (int point = 0; point < options.points * options.points; ++point) {
-                const double right = x - radius + (point % options.points + 0.5) / options.points - 0.5;
-                const double down = y - radius + (point / options.points + 0.5) / options.points - 0.5;
+                const int column = point % options.points, row = point / options.points;
+                const double right = x - radius + (column + 0.5) / options.points - 0.5;
+                const double down = y - radius + (row + 0.5) / options.points - 0.5;
                 const double theta_deg = std::atan2(std::hypot(right, down), options.focal_px) * 180 / std::numbers::pi;
                 for (int i = 0; i < options.wavelengths; ++i) {
                     const double lambda_nm =

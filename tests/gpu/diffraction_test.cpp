@@ -36,7 +36,7 @@ protected:
     /// The kernel that a glare of these settings and options has, without its strength.
     static Image<double> kernel_of(const GlareSettings& settings, const WaveGlareOptions& options, int scale) {
         return make_diffraction_kernel(settings.aperture, diffraction_reach_px(settings, options.frame_height),
-                                       {.scale = scale}, options.diffraction);
+                                       {.scale = scale}, options.knobs.diffraction);
     }
 };
 
@@ -44,7 +44,7 @@ TEST_F(DiffractionTest, IsTheConvolutionThatFftwGives) {
     const GlareSettings settings = diffraction();
     for (const auto& [width, height] : {std::array{97, 61}, {64, 64}, {200, 31}, {5, 90}}) {
         const WaveGlareOptions options{
-            .frame_width = width, .frame_height = height, .half_float = false, .diffraction = coarse};
+            .frame_width = width, .frame_height = height, .knobs = {.full_float = true, .diffraction = coarse}};
         WaveGlare glare(shaders_, settings, options);
         ASSERT_EQ(glare.scale(), 1);
         const ImageF light = rounded_to_half(random_signed_light(width, height));
@@ -60,8 +60,9 @@ TEST_F(DiffractionTest, IsTheConvolutionThatFftwGives) {
 TEST_F(DiffractionTest, RegionsGiveWhatTheWholeFrameGives) {
     constexpr int width = 160, height = 90;
     const GlareSettings settings = diffraction();
-    WaveGlare glare(shaders_, settings,
-                    {.frame_width = width, .frame_height = height, .half_float = false, .diffraction = coarse});
+    WaveGlare glare(
+        shaders_, settings,
+        {.frame_width = width, .frame_height = height, .knobs = {.full_float = true, .diffraction = coarse}});
     const ImageF light = random_signed_light(30, 20);
     for (const auto& [x, y] : {std::array{0, 0}, {130, 70}, {65, 0}, {60, 35}, {3, 68}}) {
         ImageF whole(width, height, 3);
@@ -85,9 +86,10 @@ TEST_F(DiffractionTest, RegionsGiveWhatTheWholeFrameGives) {
 TEST_F(DiffractionTest, KeepsTheEnergyOfTheLight) {
     constexpr int width = 256, height = 256;
     for (const int least_scale : {1, 2, 4}) {
-        WaveGlare glare(
-            shaders_, diffraction(0.3),
-            {.frame_width = width, .frame_height = height, .least_scale = least_scale, .diffraction = coarse});
+        WaveGlare glare(shaders_, diffraction(0.3),
+                        {.frame_width = width,
+                         .frame_height = height,
+                         .knobs = {.least_scale = least_scale, .diffraction = coarse}});
         const int side = width / glare.scale();
         ImageF light(side, side, 3);
         // In the middle, so that none leaves the frame; a little of it was taken away.
@@ -105,7 +107,8 @@ TEST_F(DiffractionTest, KeepsTheEnergyOfTheLight) {
 
 TEST_F(DiffractionTest, NothingComesRoundFromTheOtherEdge) {
     constexpr int width = 128, height = 128;
-    WaveGlare glare(shaders_, diffraction(1), {.frame_width = width, .frame_height = height, .diffraction = coarse});
+    WaveGlare glare(shaders_, diffraction(1),
+                    {.frame_width = width, .frame_height = height, .knobs = {.diffraction = coarse}});
     ASSERT_EQ(glare.reach(), 32);
     for (const auto& [x, y] : {std::array{0, 64}, {127, 64}, {64, 0}, {64, 127}, {0, 0}, {127, 127}}) {
         ImageF light(width, height, 3);
@@ -136,7 +139,8 @@ TEST_F(DiffractionTest, IsWithinAHundredthOfItsReferenceInFlip) {
     EXPECT_GT(mean_flip(reference, picture_of(light, Image<double>(width, height, 3))), 0.03);
     double last = 0;
     for (const int most_side : {1024, 512, 256, 128}) {
-        WaveGlare glare(shaders_, settings, {.frame_width = width, .frame_height = height, .most_side = most_side});
+        WaveGlare glare(shaders_, settings,
+                        {.frame_width = width, .frame_height = height, .knobs = {.most_side = most_side}});
         const WaveResult result = run(glare, reduced(light, glare.scale()), width, height);
         const double error =
             mean_flip(reference, picture_of(light, enlarged(result.light, glare.scale(), width, height)));
@@ -164,22 +168,22 @@ TEST_F(DiffractionTest, EveryKnobsErrorFalls) {
     WaveGlareOptions options{.frame_width = width, .frame_height = height};
     double last = 1;
     for (const int wavelengths : {4, 8, 32}) {
-        options.diffraction = {.aperture_side = 1024, .wavelengths = wavelengths};
+        options.knobs.diffraction = {.aperture_side = 1024, .wavelengths = wavelengths};
         const double error = flip_of(options);
         EXPECT_LT(error, last) << wavelengths;
         last = error;
     }
     last = 1;
     for (const int side : {128, 256, 512}) {
-        options.diffraction = {.aperture_side = side, .wavelengths = 64};
+        options.knobs.diffraction = {.aperture_side = side, .wavelengths = 64};
         const double error = flip_of(options);
         EXPECT_LT(error, last) << side;
         last = error;
     }
     last = 1;
     for (const bool half_float : {true, false}) {
-        options.diffraction = converged_diffraction;
-        options.half_float = half_float;
+        options.knobs.diffraction = converged_diffraction;
+        options.knobs.full_float = !half_float;
         WaveGlare glare(shaders_, settings, options);
         const WaveResult result = run(glare, reduced(light, 1), width, height);
         const double error = relative_rms(reference, to_double(result.light));
@@ -190,7 +194,8 @@ TEST_F(DiffractionTest, EveryKnobsErrorFalls) {
 
 TEST_F(DiffractionTest, StandsExtremeLight) {
     constexpr int width = 64, height = 48;
-    WaveGlare glare(shaders_, diffraction(0.2), {.frame_width = width, .frame_height = height, .diffraction = coarse});
+    WaveGlare glare(shaders_, diffraction(0.2),
+                    {.frame_width = width, .frame_height = height, .knobs = {.diffraction = coarse}});
     for (const float radiance : {0.0f, 1e-7f, 1.0f, 65504.0f, -65504.0f}) {
         ImageF light(width, height, 3);
         for (int c = 0; c < 3; ++c) light.at(32, 24, c) = radiance;
@@ -214,7 +219,7 @@ TEST_F(DiffractionTest, StandsExtremeLight) {
 TEST_F(DiffractionTest, StandsFramesOfAllSizes) {
     for (const auto& [width, height] : {std::array{1, 1}, {7, 5}, {1, 300}, {3, 2}}) {
         WaveGlare glare(shaders_, diffraction(0.5),
-                        {.frame_width = width, .frame_height = height, .diffraction = coarse});
+                        {.frame_width = width, .frame_height = height, .knobs = {.diffraction = coarse}});
         ImageF light((width + glare.scale() - 1) / glare.scale(), (height + glare.scale() - 1) / glare.scale(), 3);
         light.at(0, 0, 1) = 100;
         const WaveResult result = run(glare, light, width, height);
@@ -232,14 +237,15 @@ TEST_F(DiffractionTest, LargeFramesGetALargerScaleAndKeepTheTransformsLimit) {
                                                           {8192, 4320, 1024, 12},
                                                           {8192, 4320, 512, 20},
                                                           {8192, 4320, 2048, 8}}) {
-        WaveGlare glare(shaders_, diffraction(0.2),
-                        {.frame_width = width, .frame_height = height, .most_side = most_side, .diffraction = coarse});
+        WaveGlare glare(
+            shaders_, diffraction(0.2),
+            {.frame_width = width, .frame_height = height, .knobs = {.most_side = most_side, .diffraction = coarse}});
         EXPECT_EQ(glare.scale(), scale) << width << " " << most_side;
         EXPECT_LE((width + glare.scale() - 1) / glare.scale() + glare.reach(), most_side);
     }
     // 8192 × 4320: a sun on the far corner, and the whole frame's width.
     WaveGlare glare(shaders_, diffraction(0.2),
-                    {.frame_width = 8192, .frame_height = 4320, .most_side = 512, .diffraction = coarse});
+                    {.frame_width = 8192, .frame_height = 4320, .knobs = {.most_side = 512, .diffraction = coarse}});
     ImageF light(410, 216, 3);
     light.at(409, 215, 1) = 5000;
     light.at(0, 0, 1) = 5000;
@@ -253,7 +259,8 @@ TEST_F(DiffractionTest, LargeFramesGetALargerScaleAndKeepTheTransformsLimit) {
 
 TEST_F(DiffractionTest, IsLeftOutWhereNothingIsBright) {
     constexpr int width = 64, height = 48;
-    WaveGlare glare(shaders_, diffraction(), {.frame_width = width, .frame_height = height, .diffraction = coarse});
+    WaveGlare glare(shaders_, diffraction(),
+                    {.frame_width = width, .frame_height = height, .knobs = {.diffraction = coarse}});
     ImageF light(width, height, 3);
     const auto sum_with = [&](bool met) {
         const Texture2D texture = upload(light);
@@ -288,13 +295,68 @@ TEST_F(DiffractionTest, IsLeftOutWhereNothingIsBright) {
     EXPECT_EQ(convolution->why, "no light above the threshold");
 }
 
+TEST_F(DiffractionTest, TakesTheLightOverTheThresholdThatWasAdded) {
+    constexpr int width = 60, height = 40;
+    GlareSettings settings = diffraction(1);
+    settings.threshold = 4;
+    settings.knee = 0;
+    WaveGlare glare(
+        shaders_, settings,
+        {.frame_width = width, .frame_height = height, .knobs = {.full_float = true, .diffraction = coarse}});
+    ImageF after(width, height, 4, 3.0F);  // below the threshold
+    ImageF before(width, height, 3, 3.0F);
+    const auto sum_with = [&](double object_strength) {
+        Texture2D after_texture({.format = GL_RGBA32F, .width = width, .height = height});
+        Texture2D before_texture({.format = GL_RGB32F, .width = width, .height = height});
+        after_texture.upload(after);
+        before_texture.upload(before);
+        graph_.begin_frame(width, height);
+        const FrameLight light{.after = graph_.import(&after_texture, {GL_RGBA32F, {0, 0, width, height}, 1}),
+                               .before = graph_.import(&before_texture, {GL_RGB32F, {0, 0, width, height}, 1})};
+        const GraphTexture added =
+            add_wave_glare(graph_, {.light = light, .object_strength = object_strength}, bright_, glare);
+        graph_.output(added);
+        graph_.run();
+        if (!bright_.is_met()) return 0.0;
+        return sum_of(graph_.texture(added).read<float>({0, 0, width, height}, 3), 1);
+    };
+    EXPECT_EQ(sum_with(1), 0);
+    // A lamp of 10 that an object hides takes its glare along. It fills a firefly's block, so that all of it counts.
+    const auto set_lamp = [](ImageF& image) {
+        for (int y = 20; y < 24; ++y) std::fill_n(image.pixel(28, y), 4 * image.channels(), 10.0F);
+    };
+    set_lamp(before);
+    // D is of half floats: up to 2^-10 of it is cut.
+    EXPECT_NEAR(sum_with(1), -16 * 6, 1e-3 * 16 * 6);
+    // One that an object sends counts with the strength of dazzling reflection.
+    before = ImageF(width, height, 3, 3.0F);
+    set_lamp(after);
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) after.at(x, y, 3) = after.at(x, y, 0) > 3 ? 1 : 0;
+    }
+    EXPECT_NEAR(sum_with(2.5), 16 * 15, 1e-3 * 16 * 15);
+}
+
+TEST_F(DiffractionTest, RefusesKnobsOutOfRange) {
+    for (const WaveGlareKnobs& knobs :
+         {WaveGlareKnobs{.least_scale = 3}, WaveGlareKnobs{.most_side = 4096}, WaveGlareKnobs{.most_side = 8},
+          WaveGlareKnobs{.diffraction = {.aperture_side = 1000}}, WaveGlareKnobs{.diffraction = {.wavelengths = 1}},
+          WaveGlareKnobs{.halo = {.samples = 0}}}) {
+        EXPECT_THROW(knobs.check(), std::invalid_argument);
+    }
+    for (const QualityLevel level :
+         {QualityLevel::draft, QualityLevel::preview, QualityLevel::final_, QualityLevel::reference}) {
+        EXPECT_NO_THROW(wave_glare_knobs(level).check());
+    }
+}
+
 TEST_F(DiffractionTest, SaysWhyItHasNothingToAdd) {
     graph_.begin_frame(64, 64);
     WaveGlare off(shaders_, diffraction(0), {.frame_width = 64, .frame_height = 64});
     EXPECT_TRUE(off.empty());
-    EXPECT_FALSE(add_wave_glare(graph_, {}, bright_, off));
-    WaveGlare on(shaders_, diffraction(1), {.frame_width = 64, .frame_height = 64, .diffraction = coarse});
-    EXPECT_FALSE(add_wave_glare(graph_, {}, bright_, on));
+    EXPECT_FALSE(add_wave_glare(graph_, GraphTexture{}, bright_, off));
+    WaveGlare on(shaders_, diffraction(1), {.frame_width = 64, .frame_height = 64, .knobs = {.diffraction = coarse}});
+    EXPECT_FALSE(add_wave_glare(graph_, GraphTexture{}, bright_, on));
     graph_.run();
     const auto reports = graph_.reports();
     ASSERT_EQ(reports.size(), 2U);
@@ -306,7 +368,7 @@ TEST_F(DiffractionTest, TransformsItsKernelOnceAndNeverUsesAnothers) {
     constexpr int side = 40;
     ImageF light(side, side, 3);
     light.at(20, 20, 1) = 100;
-    const WaveGlareOptions options{.frame_width = side, .frame_height = side, .diffraction = coarse};
+    const WaveGlareOptions options{.frame_width = side, .frame_height = side, .knobs = {.diffraction = coarse}};
     WaveGlare weak(shaders_, diffraction(0.1), options);
     const auto kernel_report = [](const WaveResult& result) { return result.reports.at(0); };
     const WaveResult first = run(weak, light, side, side);

@@ -23,7 +23,10 @@ protected:
     WaveGlare make(const GlareSettings& settings, int least_scale = 1) {
         return {shaders_,
                 settings,
-                {.frame_width = width, .frame_height = height, .focal_px = focal_px, .least_scale = least_scale}};
+                {.frame_width = width,
+                 .frame_height = height,
+                 .focal_px = focal_px,
+                 .knobs = {.least_scale = least_scale}}};
     }
 };
 

@@ -2,11 +2,13 @@
 #include "render/effects/wave_glare.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
-#include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "render/effects/bright_pass.h"
 #include "render/effects/kernel.h"
 
 namespace matchlight {
@@ -21,15 +23,51 @@ int places(int length, int reach) {
 int choose_scale(const WaveGlareOptions& options, double reach_px) {
     const int side = std::max(options.frame_width, options.frame_height);
     const auto fits = [&](int scale) {
-        return places((side + scale - 1) / scale, kernel_radius(reach_px, scale)) <= options.most_side;
+        return places((side + scale - 1) / scale, kernel_radius(reach_px, scale)) <= options.knobs.most_side;
     };
-    int scale = options.least_scale;
+    int scale = options.knobs.least_scale;
     // The firefly-safe bright pass takes 1, 2 and multiples of 4.
     while (!fits(scale)) scale = scale < 4 ? 2 * scale : scale + 4;
     return scale;
 }
 
 }  // namespace
+
+void WaveGlareKnobs::check() const {
+    const auto refuse = [](const char* name, double value) {
+        throw std::invalid_argument(fmt::format("glare: {} must not be {}", name, value));
+    };
+    const auto is_power_of_two = [](int value) { return std::has_single_bit(static_cast<unsigned>(value)); };
+    if (least_scale < 1 || (least_scale > 2 && least_scale % 4 != 0)) refuse("least_scale", least_scale);
+    if (most_side < 16 || most_side > Fft2d::most_side) refuse("most_side", most_side);
+    if (diffraction.aperture_side < 16 || diffraction.aperture_side > 8192 ||
+        !is_power_of_two(diffraction.aperture_side)) {
+        refuse("diffraction.aperture_side", diffraction.aperture_side);
+    }
+    if (diffraction.wavelengths < 4 || diffraction.wavelengths > 1024) {
+        refuse("diffraction.wavelengths", diffraction.wavelengths);
+    }
+    if (!(diffraction.samples >= 0.1 && diffraction.samples <= 16)) refuse("diffraction.samples", diffraction.samples);
+    if (halo.wavelengths < 4 || halo.wavelengths > 1024) refuse("halo.wavelengths", halo.wavelengths);
+    if (!(halo.samples >= 0.1 && halo.samples <= 1000)) refuse("halo.samples", halo.samples);
+}
+
+WaveGlareKnobs wave_glare_knobs(QualityLevel quality) {
+    switch (quality) {
+        case QualityLevel::draft:
+            return {.most_side = 256, .diffraction = {.aperture_side = 512, .wavelengths = 16}};
+        case QualityLevel::preview:
+            return {.most_side = 512, .diffraction = {.aperture_side = 512, .wavelengths = 16}};
+        case QualityLevel::reference:
+            return {.most_side = 2048,
+                    .full_float = true,
+                    .diffraction = {.aperture_side = 2048, .wavelengths = 128, .samples = 2},
+                    .halo = {.wavelengths = 128}};
+        case QualityLevel::final_:
+            break;
+    }
+    return {};
+}
 
 WaveGlare::Plan::Plan(ShaderLibrary& shaders, int width, int height)
     : size{width, height},
@@ -38,9 +76,9 @@ WaveGlare::Plan::Plan(ShaderLibrary& shaders, int width, int height)
       scratch(width, height) {}
 
 WaveGlare::WaveGlare(ShaderLibrary& shaders, const GlareSettings& settings, const WaveGlareOptions& options)
-    : shaders_(&shaders), options_(options) {
+    : shaders_(&shaders), settings_(settings), options_(options) {
     settings.check();
-    assert(options.most_side <= Fft2d::most_side);
+    options.knobs.check();
     const bool diffraction = settings.level == GlareLevel::diffraction && settings.strength > 0;
     const bool halo = settings.halo > 0;
     const double diffraction_px = diffraction ? diffraction_reach_px(settings, options.frame_height) : 0;
@@ -50,10 +88,10 @@ WaveGlare::WaveGlare(ShaderLibrary& shaders, const GlareSettings& settings, cons
     const int most_radius = std::max(options.frame_width, options.frame_height) / scale_;
     const KernelGrid grid{.scale = scale_, .most_radius = most_radius};
     if (diffraction) {
-        add_kernel(kernel_, make_diffraction_kernel(settings.aperture, diffraction_px, grid, options.diffraction),
+        add_kernel(kernel_, make_diffraction_kernel(settings.aperture, diffraction_px, grid, options.knobs.diffraction),
                    settings.strength);
     }
-    if (halo) add_kernel(kernel_, make_halo_kernel(options.focal_px, grid, options.halo), settings.halo);
+    if (halo) add_kernel(kernel_, make_halo_kernel(options.focal_px, grid, options.knobs.halo), settings.halo);
 }
 
 std::string WaveGlare::kernel_pass(const Plan& plan) const {
@@ -95,6 +133,24 @@ void WaveGlare::transform_kernel(Plan& plan) const {
     plan.kernel_spectrum = std::move(spectrum.re);
 }
 
+BrightPassSettings wave_glare_light(const GlareSettings& settings, BrightShare share, double object_strength) {
+    return {.threshold = settings.threshold,
+            .knee = settings.knee,
+            .firefly_safe = true,
+            .share = share,
+            .object_strength = object_strength};
+}
+
+GraphTexture add_wave_glare(RenderGraph& graph, const WaveGlareSource& source, GpuCondition& bright, WaveGlare& glare) {
+    GraphTexture bright_light;
+    if (!glare.empty() && source.light.after) {
+        bright_light = add_bright_pass(graph, *glare.shaders_, source.light,
+                                       wave_glare_light(glare.settings_, source.share, source.object_strength),
+                                       glare.scale(), bright);
+    }
+    return add_wave_glare(graph, bright_light, bright, glare);
+}
+
 GraphTexture add_wave_glare(RenderGraph& graph, GraphTexture bright_light, const GpuCondition& bright,
                             WaveGlare& glare) {
     const std::string& name = glare.options_.name;
@@ -128,7 +184,7 @@ GraphTexture add_wave_glare(RenderGraph& graph, GraphTexture bright_light, const
                                    .height = wanted.height};
     GraphPass pass{.name = fmt::format("{}/convolution {}x{}", name, width, height)};
     pass.reads = {{bright_light, glare.reach()}, {kernel}};
-    pass.writes = {glare.options_.half_float ? GLenum{GL_RGBA16F} : GLenum{GL_RGBA32F}};
+    pass.writes = {glare.options_.knobs.full_float ? GLenum{GL_RGBA32F} : GLenum{GL_RGBA16F}};
     pass.scale = glare.scale();
     pass.region = wanted;
     pass.needs = &bright;
