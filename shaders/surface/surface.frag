@@ -13,6 +13,7 @@ in vec3 vertex_visibility;  // of the light over the hemisphere, past other obje
 
 uniform vec3 eye_world;
 uniform bool reflects_sphere_map = false;
+uniform bool is_classic = false;
 uniform vec3 classic_diffuse = vec3(0.0);   // Od
 uniform vec3 classic_specular = vec3(0.0);  // Ks
 
@@ -72,8 +73,10 @@ void main() {
     vec3 diffuse_light = diffuse_radiance(n) * vertex_visibility;
 
     vec3 radiance;
-    if (reflects_sphere_map) {
-        vec3 environment = texture(environment_sphere_map, sphere_map_uv(direction_in_probe(world_position, reflected))).rgb;
+    if (reflects_sphere_map || is_classic) {
+        vec3 seen = direction_in_probe(world_position, reflected);
+        vec3 environment = reflects_sphere_map ? texture(environment_sphere_map, sphere_map_uv(seen)).rgb
+                                               : reflected_radiance(seen, widened_roughness(0.0, reflected));
         radiance = classic_diffuse * diffuse_light +
                    classic_specular * environment * light_left_along(world_position, reflected);
     } else {

@@ -100,6 +100,7 @@ void SurfaceMaterial::bind(Program& program) const {
     program.set("alpha_blends", blends());
     program.set("classic_diffuse", classic_diffuse);
     program.set("classic_specular", classic_specular);
+    program.set("is_classic", is_classic);
 }
 
 const Texture2D* SurfaceTextures::texture(const Model& model, int index, bool is_srgb) {
@@ -163,6 +164,7 @@ SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& m
         Eigen::Vector3f::Constant(dielectric_reflectance * (1 - factors.metallic)) + factors.metallic * base;
     result.classic_diffuse = chosen.diffuse ? Eigen::Vector3f(to_float(*chosen.diffuse).data())
                                             : Eigen::Vector3f((1 - factors.metallic) * base);
+    result.is_classic = chosen.diffuse || chosen.specular;
     result.classic_specular = chosen.specular ? Eigen::Vector3f(to_float(*chosen.specular).data()) : reflectance;
     return result;
 }

@@ -56,6 +56,7 @@ struct SurfaceMaterial {
         textures{};  // base colour, metallic-roughness, normal, occlusion, emissive, or null
     Eigen::Vector3f classic_diffuse = Eigen::Vector3f::Zero();   // Od
     Eigen::Vector3f classic_specular = Eigen::Vector3f::Zero();  // Ks
+    bool is_classic = false;  // Od or Ks was chosen; reflection by sphere map is classic all the same
 
     /// Share of white light that it sends back, diffuse and mirrored together, by its factors.
     float reflectance() const;

@@ -128,9 +128,10 @@ const std::vector<Setting> own_settings = {
      [](Scene& s, const SettingValue& v) { material_of(s).roughness = v.number; }},
     {"object.material", "emissive", between(color, 0, 1e6), "probe units", "", "emitted radiance",
      [](Scene& s, const SettingValue& v) { material_of(s).emissive = color_of(v); }},
-    {"object.material", "diffuse", between(color, 0, 1), "", "", "Od of the classic model",
+    {"object.material", "diffuse", between(color, 0, 1), "", "",
+     "Od of the classic model, in place of metallic and roughness",
      [](Scene& s, const SettingValue& v) { material_of(s).diffuse = color_of(v); }},
-    {"object.material", "specular", between(color, 0, 1), "", "", "Ks of the classic model",
+    {"object.material", "specular", between(color, 0, 1), "", "", "Ks of the classic model, a mirror",
      [](Scene& s, const SettingValue& v) { material_of(s).specular = color_of(v); }},
 
     {"surface", "enabled", of_kind(boolean), "", "true", "false: nothing catches shadows",

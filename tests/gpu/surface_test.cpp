@@ -286,12 +286,15 @@ TEST_F(Surface, the_classic_model_is_diffuse_plus_specular_times_environment) {
     MaterialOverride material;
     material.diffuse = {0.5, 0.25, 0};
     material.specular = {0.25, 0.5, 0.75};
-    renderer_.add_object({.model = &sphere, .material = material, .reflection = ReflectionForm::sphere_map});
     const Environment environment(shaders_, uniform_probe(2));
     const TestCamera camera{.eye = -4 * right, .forward = right, .right = -forward};
-    const ImageF image = color_of(renderer_.draw(environment, camera.view()));
-    // Od·E/π + Ks·L with E = π·L = 2π.
-    EXPECT_LT((rgb(image, 64, 64) - Eigen::Vector3d(1.5, 1.5, 1.5)).norm(), 5e-3);
+    for (const ReflectionForm form : {ReflectionForm::sphere_map, ReflectionForm::cube}) {
+        SurfaceRenderer renderer(shaders_);
+        renderer.add_object({.model = &sphere, .material = material, .reflection = form});
+        const ImageF image = color_of(renderer.draw(environment, camera.view()));
+        // Od·E/π + Ks·L with E = π·L = 2π.
+        EXPECT_LT((rgb(image, 64, 64) - Eigen::Vector3d(1.5, 1.5, 1.5)).norm(), 5e-3);
+    }
 }
 
 TEST_F(Surface, blended_objects_lie_over_what_is_behind_them_in_any_order_of_adding) {
