@@ -32,8 +32,8 @@ struct ApertureSettings {
     double rotation_deg = 0;
     double roundness = 0;  // 0: straight blades; 1: a circle
     int eyelashes = 0;
-    int dust = 0;                 // specks
-    int seed = 1;                 // of eyelashes and dust
+    int dust = 0;                      // specks
+    int seed = 1;                      // of eyelashes and dust
     std::filesystem::path image = {};  // instead of blades: white lets light through
     // Where both are known, diffraction has its true size: GlareSettings::size is left alone.
     std::optional<double> f_number = {};
@@ -49,20 +49,20 @@ struct GlareSettings {
     double knee = 0.25;
     double strength = 0.2;
     int directions = 4;
-    double angle_deg = 45;      // of the first streak, counter-clockwise from the picture's right
-    double attenuation = 0.92;  // a: of light from step to step, each 1/128 of the frame's height
-    int passes = 3;             // a streak is 4^passes steps long
-    double size = 0.25;         // how far diffraction reaches, in frame heights
-    double halo = 0;            // strength of the lenticular halo
-    ApertureSettings aperture;  // of `diffraction`
+    double angle_deg = 45;           // of the first streak, counter-clockwise from the picture's right
+    double attenuation = 0.92;       // a: of light from step to step, each 1/128 of the frame's height
+    int passes = 3;                  // a streak is 4^passes steps long
+    double size = 0.25;              // how far diffraction reaches, in frame heights
+    double halo = 0;                 // strength of the lenticular halo
+    ApertureSettings aperture = {};  // of `diffraction`
 
     void check() const;
 };
 
 /// Bright reflections on virtual objects, apart from other light.
 struct DazzleSettings {
-    double strength = 1;                 // of what objects send to bloom and glare
-    std::optional<GlareSettings> glare;  // a shape of their own
+    double strength = 1;                      // of what objects send to bloom and glare
+    std::optional<GlareSettings> glare = {};  // a shape of their own
 
     void check() const;
 };

@@ -8,6 +8,7 @@
 
 #include "gl/context.h"
 #include "render/effects/bloom.h"
+#include "render/effects/streaks.h"
 
 namespace matchlight {
 namespace {
@@ -120,6 +121,30 @@ BENCHMARK_CAPTURE(bloom, final, BloomLevel::pyramid, QualityLevel::final_)
     ->Unit(benchmark::kMillisecond)
     ->Iterations(15);
 BENCHMARK_CAPTURE(bloom, reference, BloomLevel::reference, QualityLevel::final_)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(15);
+
+void streaks(benchmark::State& state, GlareLevel level) {
+    Bench& bench = Bench::get();
+    GpuCondition bright("no light above the threshold");
+    GlareSettings settings;
+    settings.level = level;
+    settings.directions = static_cast<int>(state.range(0));
+    measure(state, [&](RenderGraph& graph, const FrameLight& light) {
+        return std::vector{add_streaks(graph, bench.shaders, light, settings, {}, {}, bright)};
+    });
+}
+BENCHMARK_CAPTURE(streaks, classic, GlareLevel::classic)
+    ->Arg(4)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(15);
+BENCHMARK_CAPTURE(streaks, final, GlareLevel::streaks)
+    ->Arg(2)
+    ->Arg(4)
+    ->Arg(6)
+    ->Arg(8)
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond)
     ->Iterations(15);

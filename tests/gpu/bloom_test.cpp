@@ -6,9 +6,8 @@
 
 #include "effect_frame.h"
 #include "gl_fixture.h"
+#include "lamps.h"
 #include "report/bloom_reference.h"
-#include "report/flip.h"
-#include "report/image_error.h"
 #include "shown.h"
 
 namespace matchlight::test {
@@ -32,29 +31,6 @@ ImageD reference_of(const LightOnCpu& light, const BloomSettings& settings) {
     const ImageD bright = reference_bright_light(light.after, light.before, bloom_light(settings));
     return settings.level == BloomLevel::classic ? reference_classic_bloom(bright, settings)
                                                  : reference_bloom(bright, settings);
-}
-
-/// Lamps of several sizes and colours, one at the edge, one hidden: on a grey ground.
-LightOnCpu lamps(int width, int height) {
-    LightOnCpu light(width, height);
-    light.before = ImageF(width, height, 3, 0.2F);
-    const auto disc = [&](double cx, double cy, double radius, std::array<float, 3> color, bool is_before) {
-        for (int y = 0; y < height; ++y) {
-            for (int x = 0; x < width; ++x) {
-                if (std::hypot(x - cx * width, y - cy * height) > radius * height) continue;
-                for (int c = 0; c < 3; ++c) (is_before ? light.before : light.after).at(x, y, c) = color[c];
-            }
-        }
-    };
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) light.set(x, y, 0.2F, 1);
-    }
-    disc(0.3, 0.4, 0.05, {8, 6, 3}, false);
-    disc(0.7, 0.25, 0.012, {200, 220, 260}, false);
-    disc(0.62, 0.8, 0.002, {300, 30, 20}, false);
-    disc(1.0, 0.55, 0.03, {30, 30, 30}, false);
-    disc(0.5, 0.62, 0.02, {10, 10, 10}, true);
-    return light;
 }
 
 TEST_F(BloomTest, PyramidAgreesWithTheReferenceAtManySizes) {
@@ -202,19 +178,6 @@ TEST_F(BloomTest, DazzlingScalesWhatObjectsSend) {
     BloomSettings settings{.firefly_safe = false};
     EXPECT_NEAR(run(light, settings, {}, 3).sum(), 3 * run(light, settings, {}, 1).sum(),
                 0.01 * run(light, settings).sum());
-}
-
-/// A square lamp of one pixel whose place is `x`, `y`: its light shared among the pixels it covers.
-LightOnCpu small_sun(double x, double y, float value, int width, int height) {
-    LightOnCpu light(width, height);
-    for (int j = 0; j < 2; ++j) {
-        for (int i = 0; i < 2; ++i) {
-            const int px = static_cast<int>(std::floor(x)) + i, py = static_cast<int>(std::floor(y)) + j;
-            const double share = (1 - std::abs(x - px)) * (1 - std::abs(y - py));
-            if (light.frame.contains(px, py)) light.set(px, py, static_cast<float>(value * share));
-        }
-    }
-    return light;
 }
 
 TEST_F(BloomTest, ASmallSunDoesNotFlickerAsItMoves) {

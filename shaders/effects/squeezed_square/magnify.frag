@@ -1,5 +1,5 @@
 #version 450 core
-// The sum of three squares that each cover the frame, interpolated between their texels.
+// The sum of up to three squares that each cover the frame, interpolated between their texels.
 #include "common/graph.glsl"
 
 uniform sampler2D square0, square1, square2;
@@ -17,6 +17,12 @@ vec4 magnified(sampler2D square, ivec4 region, float size, vec2 place) {
 
 void main() {
     vec2 place = (vec2(target_texel()) + 0.5) * texel_share;
-    light = weight * (magnified(square0, square0_region, size0, place) + magnified(square1, square1_region, size1, place) +
-                      magnified(square2, square2_region, size2, place));
+    vec4 sum = magnified(square0, square0_region, size0, place);
+#if SQUARES > 1
+    sum += magnified(square1, square1_region, size1, place);
+#endif
+#if SQUARES > 2
+    sum += magnified(square2, square2_region, size2, place);
+#endif
+    light = weight * sum;
 }
