@@ -1,8 +1,15 @@
 // The camera's effects of bright light, as the scene asks for them.
 #pragma once
 
+#include <memory>
+#include <vector>
+
+#include "calibration/camera.h"
 #include "gl/condition.h"
 #include "gl/shader_library.h"
+#include "render/effects/spill.h"
+#include "render/effects/streaks.h"
+#include "render/effects/wave_glare.h"
 #include "render/frame_light.h"
 #include "render/graph.h"
 #include "scene/effects.h"
@@ -12,25 +19,39 @@ namespace matchlight {
 
 class CameraEffects {
 public:
-    CameraEffects(ShaderLibrary& shaders, const EffectSettings& settings, QualityLevel quality);
+    /// Throws InputError where an aperture's image is bad.
+    CameraEffects(ShaderLibrary& shaders, const EffectSettings& settings, QualityLevel quality, const Camera& camera);
 
     /// Whether any of them spills light.
-    bool any() const { return settings_.bloom.has_value() || settings_.glare.has_value(); }
+    bool any() const { return settings_.bloom.has_value() || !glares_.empty(); }
     /// Adds their passes; returns what they add to the picture (render/effects/spill.h), empty when nothing does.
     GraphTexture add(RenderGraph& graph, const FrameLight& light);
     /// Notes in the graph the effects that the scene does without.
     void explain(RenderGraph& graph) const;
 
     const EffectSettings& settings() const { return settings_; }
-    void set_settings(const EffectSettings& settings) { settings_ = settings; }
+    /// What another setting of glare needs is made with the next frame.
+    void set_settings(const EffectSettings& settings);
 
 private:
+    /// The scene's glare, or that of dazzling reflection alone.
+    struct Glare {
+        GlareSettings settings;
+        StreakSource source;
+        std::string name;  // of its passes
+        std::unique_ptr<GpuCondition> streak_light, wave_light;
+        std::unique_ptr<WaveGlare> wave;
+    };
+    void add_glare_of(const GlareSettings& settings, const StreakSource& source, const std::string& name);
+    void add_glare(RenderGraph& graph, const FrameLight& light, Glare& glare, std::vector<SpillPart>& parts);
     double object_strength() const { return settings_.dazzle ? settings_.dazzle->strength : 1; }
 
     ShaderLibrary& shaders_;
     EffectSettings settings_;
     QualityLevel quality_;
+    Camera camera_;
     GpuCondition bloom_light_{"no light is above the threshold of bloom"};
+    std::vector<Glare> glares_;
 };
 
 }  // namespace matchlight

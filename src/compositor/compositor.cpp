@@ -106,7 +106,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
       warnings(the_warnings),
       surfaces(shaders),
       lens_map(make_lens_map(solve.camera)),
-      effects(shaders, scene.effects, the_options.quality) {
+      effects(shaders, scene.effects, the_options.quality, solve.camera) {
     place_objects(scene, warnings);
     light.emplace(shaders, surfaces, scene, quality, warnings);
     if (scene.camera) {

@@ -40,6 +40,7 @@ struct ApertureSettings {
     std::optional<double> pixel_pitch_um = {};  // of a pixel of the footage on the sensor
 
     void check() const;
+    bool operator==(const ApertureSettings&) const = default;
 };
 
 /// Light above a threshold, drawn out into streaks.
@@ -57,6 +58,7 @@ struct GlareSettings {
     ApertureSettings aperture = {};  // of `diffraction`
 
     void check() const;
+    bool operator==(const GlareSettings&) const = default;
 };
 
 /// Bright reflections on virtual objects, apart from other light.
