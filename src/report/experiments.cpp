@@ -8,7 +8,7 @@ const std::vector<NamedExperiment>& all_experiments() {
         {"antialiasing", antialiasing_experiment},   {"contact_shadow", contact_shadow_experiment},
         {"object_shadow", object_shadow_experiment}, {"reflection", reflection_experiment},
         {"glossy_reflection", glossy_experiment},    {"bloom", bloom_experiment},
-        {"classic_bloom", classic_bloom_experiment}};
+        {"classic_bloom", classic_bloom_experiment}, {"diffraction", diffraction_experiment}};
     return experiments;
 }
 

@@ -32,6 +32,9 @@ std::optional<Experiment> glossy_experiment(const SceneStage& stage, const Exper
 std::optional<Experiment> bloom_experiment(const SceneStage& stage, const ExperimentOptions& options);
 std::optional<Experiment> classic_bloom_experiment(const SceneStage& stage, const ExperimentOptions& options);
 
+/// Diffraction by the aperture, and the lenticular halo where there is one.
+std::optional<Experiment> diffraction_experiment(const SceneStage& stage, const ExperimentOptions& options);
+
 struct NamedExperiment {
     std::string name;  // as --effects takes it
     std::optional<Experiment> (*make)(const SceneStage&, const ExperimentOptions&);
