@@ -47,7 +47,7 @@ void PictureView::draw(int width, int height) {
     program.set("place", place);
     program.bind_texture("picture", 0, picture_);
     triangle_.draw();
-    check_no_gl_error("showing the picture");
+    check_no_gl_error("drawing the picture");
 }
 
 void PictureView::present() const {
@@ -57,6 +57,7 @@ void PictureView::present() const {
     // Row 0 is the top here and the bottom of a window.
     glBlitNamedFramebuffer(target_.name(), 0, 0, 0, target_.width(), target_.height(), 0, target_.height(),
                            target_.width(), 0, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    check_no_gl_error("showing the picture");
 }
 
 Image8 PictureView::shown() const {
