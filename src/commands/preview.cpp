@@ -44,6 +44,7 @@ void preview(PreviewArguments arguments, CommandContext& context) {
     PreviewOptions& options = arguments.options;
     options.scene = arguments.scene;
     options.snapshot = arguments.snapshot;
+    options.quiet = context.quiet;
     options.keys = actions_of_keys(arguments.keys);
     if (!arguments.size.empty()) options.size = parse_size(arguments.size);
     if (!options.snapshot.empty()) {

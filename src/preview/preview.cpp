@@ -99,7 +99,7 @@ private:
 };
 
 Preview::Preview(const PreviewOptions& options, Warnings& warnings) : options_(options), warnings_(warnings) {
-    shot_ = std::make_unique<Shot>(window_.context(), options.scene, warnings);
+    shot_ = std::make_unique<Shot>(window_.context(), options.scene, options.quiet, warnings);
     if (options.level) {
         ShotSwitches switches = shot_->switches();
         switches.level = *options.level;
@@ -210,7 +210,7 @@ void Preview::explain() {
 }
 
 void Preview::reload_scene() {
-    auto shot = std::make_unique<Shot>(window_.context(), options_.scene, warnings_);
+    auto shot = std::make_unique<Shot>(window_.context(), options_.scene, options_.quiet, warnings_);
     if (options_.level) {
         ShotSwitches switches = shot->switches();
         switches.level = shot_->switches().level;

@@ -22,6 +22,7 @@ struct PreviewOptions {
     std::optional<QualityLevel> level;    // instead of the scene's
     std::optional<Eigen::Vector2i> size;  // of the window; the footage's, fitted to the screen, unless given
     std::vector<PreviewAction> keys;      // pressed at the start
+    bool quiet = false;                   // no progress of what takes long
     std::filesystem::path snapshot;       // where given: what the window shows after them is saved, and that is all
     std::function<void(const std::string&)> print;  // of text for the terminal, line by line
 };

@@ -28,8 +28,9 @@ EffectSettings switched_effects(const EffectSettings& of_scene, const ShotSwitch
     return effects;
 }
 
-Shot::Shot(GlContext& context, const std::filesystem::path& scene_path, Warnings& warnings)
+Shot::Shot(GlContext& context, const std::filesystem::path& scene_path, bool quiet, Warnings& warnings)
     : context_(context),
+      quiet_(quiet),
       warnings_(warnings),
       scene_(load_scene(scene_path, warnings)),
       solve_(solve_of_scene(scene_, warnings)),
@@ -54,7 +55,7 @@ void Shot::make_compositor() {
     compositor_.reset();  // its textures first: two sets may be more than the memory holds
     Solve solve = solve_;
     context_.make_current();
-    meter_clip(solve, scene, context_, {}, warnings_);
+    meter_clip(solve, scene, context_, {.quiet = quiet_}, warnings_);
     compositor_ =
         std::make_unique<Compositor>(context_, scene, solve, CompositorOptions{.quality = scene.quality}, warnings_);
 }

@@ -31,8 +31,9 @@ EffectSettings switched_effects(const EffectSettings& of_scene, const ShotSwitch
 
 class Shot {
 public:
-    /// Reads the scene and all that belongs to it. `context` and `warnings` must outlive it. Throws InputError.
-    Shot(GlContext& context, const std::filesystem::path& scene_path, Warnings& warnings);
+    /// Reads the scene and all that belongs to it. `context` and `warnings` must outlive it. `quiet`: no progress of
+    /// the meter pass. Throws InputError.
+    Shot(GlContext& context, const std::filesystem::path& scene_path, bool quiet, Warnings& warnings);
     Shot(const Shot&) = delete;
     Shot& operator=(const Shot&) = delete;
 
@@ -55,6 +56,7 @@ private:
     void make_compositor();
 
     GlContext& context_;
+    bool quiet_;
     Warnings& warnings_;
     Scene scene_;
     Solve solve_;
