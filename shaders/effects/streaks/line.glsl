@@ -1,5 +1,10 @@
 // Rows along a slanted line: texel (u, v) of a shifted texture lies at (u, v + shift(u)), so that the line through it
 // passes exactly through texels of all other columns. MAJOR and MINOR are the axes' letters.
+#ifndef MAJOR
+#define MAJOR x
+#define MINOR y
+#endif
+
 uniform float slope;
 
 int whole_shift(int u) {

@@ -3,6 +3,10 @@
 #include "common/graph.glsl"
 #include "effects/streaks/line.glsl"
 
+#ifndef TAPS
+#define TAPS 4
+#endif
+
 uniform float weights[TAPS];
 uniform int stride;
 #ifdef FORWARD
