@@ -8,9 +8,9 @@ namespace {
 
 using enum SettingKind;
 
-/// A side beyond which no rasteriser here takes a picture; frames for a day at 100 a second.
+/// A side beyond which no rasteriser here takes a picture; nine hours at 30 frames a second.
 constexpr double longest_side_px = 16384;
-constexpr double most_frames = 8'640'000;
+constexpr double most_frames = 1e6;
 
 }  // namespace
 

@@ -93,6 +93,22 @@ TEST_F(VirtualScene, RendersAnyFramesInAnyOrderWithTheSameBits) {
     EXPECT_NE(bytes_of(scratch_ / "all_0.png"), bytes_of(scratch_ / "all_2.png"));
 }
 
+TEST_F(VirtualScene, TheStudysShotsRender) {
+    const fs::path study = scratch_.copy_sample("study");
+    int scenes = 0;
+    for (const auto& entry : fs::directory_iterator(study)) {
+        if (entry.path().extension() != ".toml") continue;
+        ++scenes;
+        const fs::path output = scratch_ / (entry.path().stem().string() + "_%d.png");
+        ASSERT_TRUE(succeeded(render(entry.path(), output, {"--frames", "20-20"}))) << entry.path();
+        const Image8 picture = read_rgb8(numbered(output, 20));
+        EXPECT_EQ(picture.width(), 800);
+        // The head stands in the middle, and differs from what is behind it.
+        EXPECT_FALSE(std::equal(picture.pixel(400, 260), picture.pixel(400, 260) + 3, picture.pixel(40, 260)));
+    }
+    EXPECT_EQ(scenes, 5);
+}
+
 TEST_F(VirtualScene, NeedsNoTrack) {
     const fs::path scene = write(small_clip, sky_and_ball);
     EXPECT_TRUE(
