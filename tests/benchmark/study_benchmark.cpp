@@ -88,7 +88,7 @@ void print_effects(GlContext& context, const Scene& all, Warnings& warnings) {
     const EffectSettings& asked = all.effects;
     add("bloom", *plain, [&](EffectSettings& e) { e.bloom = asked.bloom; });
     add("glare", *plain, [&](EffectSettings& e) { e.glare = asked.glare; });
-    add("dazzling reflection", *plain, [&](EffectSettings& e) {
+    add("dazzling reflection, bloom", *plain, [&](EffectSettings& e) {
         e.bloom = asked.bloom;
         e.dazzle = asked.dazzle;
     });
