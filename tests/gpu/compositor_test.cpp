@@ -2,6 +2,7 @@
 #include "compositor/compositor.h"
 
 #include <algorithm>
+#include <map>
 
 #include <gtest/gtest.h>
 
@@ -105,19 +106,63 @@ TEST_F(CompositorTest, TilesThatNothingReaches) {
               std::ranges::count_if(whole.touched.samples(), is_touched));
 }
 
+/// Each way in which bright light spills, for light above `threshold`.
+std::map<std::string, EffectSettings> each_effect(double threshold) {
+    std::map<std::string, EffectSettings> effects;
+    for (const BloomLevel level : {BloomLevel::classic, BloomLevel::pyramid, BloomLevel::reference}) {
+        effects["bloom " + std::to_string(static_cast<int>(level))].bloom =
+            BloomSettings{.level = level, .threshold = threshold};
+    }
+    for (const GlareLevel level :
+         {GlareLevel::classic, GlareLevel::streaks, GlareLevel::diffraction, GlareLevel::reference}) {
+        effects["glare " + std::to_string(static_cast<int>(level))].glare =
+            GlareSettings{.level = level, .threshold = threshold};
+    }
+    effects["halo"].glare = GlareSettings{.threshold = threshold, .halo = 1};
+    EffectSettings& dazzle = effects["dazzling reflection"];
+    dazzle.glare = GlareSettings{.threshold = threshold};
+    dazzle.dazzle = DazzleSettings{.strength = 2, .glare = GlareSettings{.threshold = threshold, .directions = 3}};
+    return effects;
+}
+
 TEST_F(CompositorTest, EffectsWithoutBrightLight) {
     Shot shot = make_shot();
     const CompositedFrame plain = composite(shot, true);
-    shot.scene.effects.bloom.emplace().threshold = 1e5;
-    const CompositedFrame asked_for = composite(shot, true);
-    EXPECT_FALSE(was_drawn("response around"));
-    EXPECT_TRUE(std::ranges::equal(plain.rgb16().samples(), asked_for.rgb16().samples()));
-    for (const PassReport& report : reports_) {
-        const bool is_bloom = report.name.starts_with("bloom/");
-        EXPECT_FALSE(is_bloom && report.drawn) << report.name;
+    for (const auto& [name, effects] : each_effect(1e5)) {
+        shot.scene.effects = effects;
+        const CompositedFrame asked_for = composite(shot, true);
+        EXPECT_TRUE(std::ranges::equal(plain.rgb16().samples(), asked_for.rgb16().samples())) << name;
+        EXPECT_FALSE(was_drawn("response around")) << name;
+        int left_out = 0;
+        for (const PassReport& report : reports_) {
+            const bool is_effect = (report.name.starts_with("bloom/") || report.name.starts_with("glare/") ||
+                                    report.name.starts_with("dazzle glare/")) &&
+                                   report.name.find("bright") == std::string::npos &&
+                                   report.name.find("kernel") == std::string::npos;
+            EXPECT_FALSE(is_effect && report.drawn) << name << ": " << report.name;
+            left_out += is_effect ? 1 : 0;
+        }
+        EXPECT_GT(left_out, 0) << name;
+        const CompositedFrame whole = composite(shot, false);
+        EXPECT_TRUE(std::ranges::equal(plain.rgb16().samples(), whole.rgb16().samples())) << name;
     }
-    const CompositedFrame whole = composite(shot, false);
-    EXPECT_TRUE(std::ranges::equal(plain.rgb16().samples(), whole.rgb16().samples()));
+}
+
+TEST_F(CompositorTest, EachEffectAddsLight) {
+    Shot shot = make_shot();
+    shot.solve.frames[0].exposure_ev = 2;
+    const CompositedFrame plain = composite(shot, true);
+    for (const auto& [name, effects] : each_effect(0.8)) {
+        shot.scene.effects = effects;
+        const Image8 before = plain.rgb8(), after = composite(shot, true).rgb8();
+        std::int64_t brighter = 0, darker = 0;
+        for (std::size_t i = 0; i < before.samples().size(); ++i) {
+            brighter += after.samples()[i] > before.samples()[i];
+            darker += after.samples()[i] < before.samples()[i];
+        }
+        EXPECT_GT(brighter, 500) << name;
+        EXPECT_EQ(darker, 0) << name;
+    }
 }
 
 TEST_F(CompositorTest, LightSpillsBeyondTheObjects) {
