@@ -18,7 +18,7 @@ namespace matchlight {
 /// What trades error for time.
 struct BloomKnobs {
     int largest_scale = 8;       // frame pixels along a side of the bright pass' texel: 1, 2, 4, 8
-    double sigma_texels = 1.15;  // least width of a Gaussian in texels of its level, from 0.75
+    double sigma_texels = 0.85;  // least width of a Gaussian in texels of its level, from 0.75
     double cut_sigmas = 3;       // where blurs end, and how far light is followed at all
     int gaussians = 5;           // of the model's five: the narrowest left out pass their weight to the next
     bool full_float = false;     // textures of 32 bits a channel instead of 16
