@@ -15,9 +15,9 @@ GraphTexture add_classic_bloom(RenderGraph& graph, ShaderLibrary& shaders, const
                                const BloomSettings& settings, const BloomKnobs& knobs, double object_strength,
                                GpuCondition& bright) {
     const Region frame = graph.frame();
-    // A texel of the first square is the mean of at least two by two of these.
+    // A texel of the first square is no finer than these.
     int scale = 1;
-    while (std::min(frame.width, frame.height) >= 4 * scale * classic_bloom_sizes[0]) scale *= 2;
+    while (std::min(frame.width, frame.height) >= 2 * scale * classic_bloom_sizes[0]) scale *= 2;
     BrightPassSettings spills = bloom_light(settings, object_strength);
     spills.full_float = knobs.full_float;
     const GraphTexture bright_light = add_bright_pass(graph, shaders, light, spills, scale, bright);
