@@ -1,0 +1,164 @@
+// The settings of bloom, glare and dazzling reflection: what a scene file says arrives, and what is out of range is
+// refused, by the file's reader and by each struct's own check.
+#include "scene/effects.h"
+
+#include <limits>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+#include "scene/scene_file.h"
+#include "temporary_folder.h"
+
+namespace matchlight {
+namespace {
+
+using testing::HasSubstr;
+
+class EffectSettingsTest : public TemporaryFolder {
+protected:
+    void SetUp() override {
+        TemporaryFolder::SetUp();
+        warnings_.set_quiet(true);
+        write("opening.png", "x");
+    }
+    EffectSettings load(const std::string& effects) {
+        const Scene scene = load_scene(
+            write("scene.toml", "[camera]\nwidth = 8\nheight = 6\norbit = {radius = 1}\n[effects]\n" + effects),
+            warnings_);
+        EXPECT_EQ(warnings_.total(), 0);
+        effective_ = scene.effective_toml;
+        return scene.effects;
+    }
+    std::string error_of(const std::string& effects) {
+        try {
+            load(effects);
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "no error";
+    }
+
+    Warnings warnings_;
+    std::string effective_;
+};
+
+TEST_F(EffectSettingsTest, AutoMeansTheDefaults) {
+    const EffectSettings effects = load("bloom = \"auto\"\nglare = true\ndazzle = \"auto\"\n");
+    ASSERT_TRUE(effects.bloom && effects.glare && effects.dazzle);
+    EXPECT_EQ(effects.bloom->level, BloomLevel::pyramid);
+    EXPECT_EQ(effects.bloom->radius, BloomSettings{}.radius);
+    EXPECT_TRUE(effects.bloom->firefly_safe);
+    EXPECT_EQ(effects.glare->level, GlareLevel::streaks);
+    EXPECT_EQ(effects.glare->attenuation, GlareSettings{}.attenuation);
+    EXPECT_EQ(effects.glare->passes, GlareSettings{}.passes);
+    EXPECT_EQ(effects.dazzle->strength, DazzleSettings{}.strength);
+    EXPECT_FALSE(effects.dazzle->glare);
+    EXPECT_THAT(effective_, HasSubstr("attenuation = 0.92"));
+    EXPECT_FALSE(load("bloom = \"off\"\nglare = false\n").glare);
+}
+
+TEST_F(EffectSettingsTest, EverySettingArrives) {
+    const EffectSettings effects = load(R"(
+dazzle = {strength = 2.5, glare = {directions = 2, angle_deg = 15, aperture = {blades = 5}}}
+[effects.bloom]
+level = "classic"
+threshold = 3
+knee = 0.25
+strength = 0.5
+radius = 0.1
+firefly_safe = false
+[effects.glare]
+level = "diffraction"
+threshold = 4
+knee = 0
+strength = 0.4
+directions = 7
+angle_deg = -30
+attenuation = 0.5
+passes = 2
+halo = 0.1
+[effects.glare.aperture]
+blades = 9
+rotation_deg = 5
+roundness = 0.5
+eyelashes = 3
+dust = 2
+image = "opening.png"
+)");
+    EXPECT_EQ(effects.bloom->level, BloomLevel::classic);
+    EXPECT_EQ(effects.bloom->threshold, 3);
+    EXPECT_EQ(effects.bloom->knee, 0.25);
+    EXPECT_EQ(effects.bloom->strength, 0.5);
+    EXPECT_EQ(effects.bloom->radius, 0.1);
+    EXPECT_FALSE(effects.bloom->firefly_safe);
+    EXPECT_EQ(effects.glare->level, GlareLevel::diffraction);
+    EXPECT_EQ(effects.glare->threshold, 4);
+    EXPECT_EQ(effects.glare->knee, 0);
+    EXPECT_EQ(effects.glare->strength, 0.4);
+    EXPECT_EQ(effects.glare->directions, 7);
+    EXPECT_EQ(effects.glare->angle_deg, -30);
+    EXPECT_EQ(effects.glare->attenuation, 0.5);
+    EXPECT_EQ(effects.glare->passes, 2);
+    EXPECT_EQ(effects.glare->halo, 0.1);
+    EXPECT_EQ(effects.glare->aperture.blades, 9);
+    EXPECT_EQ(effects.glare->aperture.rotation_deg, 5);
+    EXPECT_EQ(effects.glare->aperture.roundness, 0.5);
+    EXPECT_EQ(effects.glare->aperture.eyelashes, 3);
+    EXPECT_EQ(effects.glare->aperture.dust, 2);
+    EXPECT_EQ(effects.glare->aperture.image, folder_ / "opening.png");
+    EXPECT_EQ(effects.dazzle->strength, 2.5);
+    ASSERT_TRUE(effects.dazzle->glare);
+    EXPECT_EQ(effects.dazzle->glare->directions, 2);
+    EXPECT_EQ(effects.dazzle->glare->angle_deg, 15);
+    EXPECT_EQ(effects.dazzle->glare->aperture.blades, 5);
+    EXPECT_EQ(effects.dazzle->glare->threshold, GlareSettings{}.threshold);  // its own default, not the scene's glare
+}
+
+TEST_F(EffectSettingsTest, MistakesNameTheLine) {
+    const std::vector<std::pair<std::string, std::string>> rows = {
+        {"glare = {attenuation = 1}\n", "scene.toml:6: 'attenuation' in [effects.glare] is 1, outside its range"},
+        {"glare = {attenuation = nan}\n", "not finite"},
+        {"glare = {directions = 0}\n", "'directions' in [effects.glare] is 0"},
+        {"glare = {directions = 2.5}\n", "'directions' in [effects.glare]"},
+        {"glare = {passes = 6}\n", "'passes' in [effects.glare] is 6"},
+        {"bloom = {radius = 0}\n", "'radius' in [effects.bloom] is 0"},
+        {"bloom = {strength = -1}\n", "'strength' in [effects.bloom] is -1"},
+        {"bloom = {level = \"piramid\"}\n", "did you mean 'pyramid'?"},
+        {"bloom = \"on\"\n", "give \"off\", \"auto\" or a table of its settings"},
+        {"dazzle = {glare = {aperture = {blades = 99}}}\n", "'blades' in [effects.dazzle.glare.aperture] is 99"},
+        {"dazzle = {glare = {angle = 1}}\n", "unknown key 'angle' in [effects.dazzle.glare]"},
+    };
+    for (const auto& [effects, message] : rows) EXPECT_THAT(error_of(effects), HasSubstr(message)) << effects;
+}
+
+TEST(EffectSettings, ChecksRefuseWhatNoSceneFileMayHold) {
+    const double not_a_number = std::numeric_limits<double>::quiet_NaN();
+    BloomSettings bloom;
+    EXPECT_NO_THROW(bloom.check());
+    for (double* value : {&bloom.threshold, &bloom.knee, &bloom.strength, &bloom.radius}) {
+        const double kept = *value;
+        for (const double wrong : {-1.0, 1e7, not_a_number}) {
+            *value = wrong;
+            EXPECT_THROW(bloom.check(), std::invalid_argument);
+        }
+        *value = kept;
+    }
+    GlareSettings glare;
+    EXPECT_NO_THROW(glare.check());
+    for (double* value : {&glare.threshold, &glare.knee, &glare.strength, &glare.attenuation, &glare.halo}) {
+        const double kept = *value;
+        for (const double wrong : {-1.0, 1e7, not_a_number}) {
+            *value = wrong;
+            EXPECT_THROW(glare.check(), std::invalid_argument);
+        }
+        *value = kept;
+    }
+    DazzleSettings dazzle;
+    dazzle.glare.emplace().directions = 0;
+    EXPECT_THROW(dazzle.check(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace matchlight
