@@ -34,7 +34,8 @@ StabilityRow stability_row(const StabilityCase& tried) {
 
 std::vector<StabilityCase> stability_cases() {
     std::vector<StabilityCase> all = number_cases();
-    for (const auto& more : {light_cases(), frame_cases()}) all.insert(all.end(), more.begin(), more.end());
+    for (const auto& more : {light_cases(), wave_glare_cases(), frame_cases()})
+        all.insert(all.end(), more.begin(), more.end());
     return all;
 }
 

@@ -41,6 +41,8 @@ std::vector<StabilityCase> number_cases();
 /// Environment maps, shadows, bright light and its effects, whole frames: a context must be current where they run.
 std::vector<StabilityCase> light_cases();
 std::vector<StabilityCase> frame_cases();
+/// Diffraction and halo: likewise.
+std::vector<StabilityCase> wave_glare_cases();
 /// All of them.
 std::vector<StabilityCase> stability_cases();
 

@@ -87,11 +87,13 @@ WaveGlare::WaveGlare(ShaderLibrary& shaders, const GlareSettings& settings, cons
     // Light that is carried further leaves the frame.
     const int most_radius = std::max(options.frame_width, options.frame_height) / scale_;
     const KernelGrid grid{.scale = scale_, .most_radius = most_radius};
+    Image<double> kernel;
     if (diffraction) {
-        add_kernel(kernel_, make_diffraction_kernel(settings.aperture, diffraction_px, grid, options.knobs.diffraction),
+        add_kernel(kernel, make_diffraction_kernel(settings.aperture, diffraction_px, grid, options.knobs.diffraction),
                    settings.strength);
     }
-    if (halo) add_kernel(kernel_, make_halo_kernel(options.focal_px, grid, options.knobs.halo), settings.halo);
+    if (halo) add_kernel(kernel, make_halo_kernel(options.focal_px, grid, options.knobs.halo), settings.halo);
+    kernel_ = std::make_shared<const Image<double>>(std::move(kernel));
 }
 
 std::string WaveGlare::kernel_pass(const Plan& plan) const {
@@ -113,15 +115,16 @@ std::shared_ptr<WaveGlare::Plan> WaveGlare::plan(RenderGraph& graph, int width, 
     return plans_.front();
 }
 
-void WaveGlare::transform_kernel(Plan& plan) const {
+void WaveGlare::transform_kernel(const Image<double>& kernel, Plan& plan) {
+    const int reach = kernel.width() / 2;
     const auto [width, height] = plan.size;
     // The middle goes to (0, 0), what lies left of it or above to the far ends.
     ImageF wrapped(width, height, 3);
-    const int across = std::min(reach(), (width - 1) / 2);
-    const int down = std::min(reach(), (height - 1) / 2);
+    const int across = std::min(reach, (width - 1) / 2);
+    const int down = std::min(reach, (height - 1) / 2);
     for (int j = -down; j <= down; ++j) {
         for (int i = -across; i <= across; ++i) {
-            const double* from = kernel_.pixel(reach() + i, reach() + j);
+            const double* from = kernel.pixel(reach + i, reach + j);
             float* to = wrapped.pixel((i + width) % width, (j + height) % height);
             for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(from[c]);
         }
@@ -176,7 +179,9 @@ GraphTexture add_wave_glare(RenderGraph& graph, GraphTexture bright_light, const
 
     const GraphTexture kernel = graph.import(&plan->kernel_spectrum, {.format = GL_NONE, .region = {}, .scale = 1});
     GraphPass transform{.name = glare.kernel_pass(*plan), .provides = {kernel}, .once = true};
-    transform.draw = [&glare, plan](PassRun&) { glare.transform_kernel(*plan); };
+    transform.draw = [kernel_image = glare.kernel_, plan](PassRun&) {
+        WaveGlare::transform_kernel(*kernel_image, *plan);
+    };
     graph.add_pass(std::move(transform));
 
     Fft2d::Convolution convolution{.source = {.texels = {0, 0, light.width, light.height}, .x = left, .y = top},

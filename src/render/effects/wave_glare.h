@@ -60,11 +60,11 @@ public:
     WaveGlare(ShaderLibrary& shaders, const GlareSettings& settings, const WaveGlareOptions& options);
 
     /// Neither has any strength.
-    bool empty() const { return kernel_.empty(); }
+    bool empty() const { return kernel_->empty(); }
     /// What the bright pass must have: 1, 2 or a multiple of 4.
     int scale() const { return scale_; }
     /// Texels that light is carried.
-    int reach() const { return kernel_.width() / 2; }
+    int reach() const { return kernel_->width() / 2; }
 
 private:
     friend GraphTexture add_wave_glare(RenderGraph& graph, const WaveGlareSource& source, GpuCondition& bright,
@@ -80,15 +80,15 @@ private:
         Texture2D kernel_spectrum;  // its real part, which is all of it
     };
     std::shared_ptr<Plan> plan(RenderGraph& graph, int width, int height);
-    void transform_kernel(Plan& plan) const;
+    static void transform_kernel(const Image<double>& kernel, Plan& plan);
     std::string kernel_pass(const Plan& plan) const;
 
     ShaderLibrary* shaders_;
     GlareSettings settings_;
     WaveGlareOptions options_;
     int scale_ = 1;
-    Image<double> kernel_;
-    std::list<std::shared_ptr<Plan>> plans_;  // latest first
+    std::shared_ptr<const Image<double>> kernel_;  // passes that are still to be drawn share it
+    std::list<std::shared_ptr<Plan>> plans_;       // latest first
 };
 
 /// Plate-linear light to add to the picture, signed and times its strength: its sum is that of the bright light times
