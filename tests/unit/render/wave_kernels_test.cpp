@@ -136,8 +136,9 @@ TEST(DiffractionKernel, IsAirysPatternForARoundAperture) {
         for (int x = 0; x < kernel.width(); ++x) {
             Eigen::Vector3d sum = Eigen::Vector3d::Zero();
             for (int i = 0; i < points * points; ++i) {
-                const double distance = std::hypot(x - radius + (i % points + 0.5) / points - 0.5,
-                                                   y - radius + (i / points + 0.5) / points - 0.5);
+                const int column = i % points, row = i / points;
+                const double distance =
+                    std::hypot(x - radius + (column + 0.5) / points - 0.5, y - radius + (row + 0.5) / points - 0.5);
                 const double outer = std::clamp(4 * distance / reach_px - 3, 0.0, 1.0);
                 for (const SpectralSample& sample : spectrum) {
                     const double narrowed = 550 / sample.wavelength_nm;
