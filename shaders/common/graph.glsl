@@ -17,3 +17,11 @@ vec4 linear_or_zero(sampler2D source, ivec4 region, vec2 position) {
     return mix(mix(fetch_or_zero(source, region, low), fetch_or_zero(source, region, low + ivec2(1, 0)), t.x),
                mix(fetch_or_zero(source, region, low + ivec2(0, 1)), fetch_or_zero(source, region, low + ivec2(1, 1)), t.x), t.y);
 }
+
+// The same in a frame (the uniform NAME_frame): where the region ends at the frame's edge its outermost texels go on to
+// that edge; elsewhere it fades to dark.
+vec4 linear_in_frame(sampler2D source, ivec4 region, ivec4 frame, vec2 position) {
+    vec2 low = vec2(min(frame.xy, region.xy));
+    vec2 high = vec2(max(frame.xy + frame.zw, region.xy + region.zw) - 1);
+    return linear_or_zero(source, region, clamp(position, low, high));
+}

@@ -12,7 +12,7 @@ uniform sampler2D plate_code;    // RGB code values of the region
 uniform sampler2D light_after;   // plate-linear; a = the objects' coverage
 uniform sampler2D light_before;  // a = 1 where objects touched the pixel
 uniform sampler2D spill;         // plate-linear light to add, signed
-uniform ivec4 spill_region;
+uniform ivec4 spill_region, spill_frame;
 uniform int spill_scale;
 uniform int spill_present;
 uniform float least_visible_code;  // spilled light that moves no code by this much is none
@@ -36,7 +36,7 @@ void main() {
     bool lit = false;
     if (spill_present != 0) {
         vec2 position = (vec2(target_texel()) + 0.5) / float(spill_scale) - 0.5;
-        vec3 spilled = linear_or_zero(spill, spill_region, position).rgb;
+        vec3 spilled = linear_in_frame(spill, spill_region, spill_frame, position).rgb;
         lit = any(notEqual(spilled, vec3(0.0)));
         if (lit) linear = max(linear + spilled, vec3(0.0));
     }

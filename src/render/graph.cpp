@@ -338,6 +338,8 @@ void PassRun::bind(Program& program, const std::string& sampler, GLuint unit, Gr
     const Region& region = shape.region;
     program.set(sampler + "_region", Eigen::Vector4i(region.x, region.y, region.width, region.height));
     program.set(sampler + "_scale", shape.scale);
+    const Region frame = graph_->frame(shape.scale);
+    program.set(sampler + "_frame", Eigen::Vector4i(frame.x, frame.y, frame.width, frame.height));
 }
 
 void PassRun::upload(const Region& part, std::span<const float> samples) const {

@@ -156,7 +156,7 @@ public:
     const Texture2D& texture(GraphTexture texture) const;
     const GraphShape& shape(GraphTexture texture) const;
 
-    /// Binds an input; sets the sampler, `SAMPLER_region` and `SAMPLER_scale` (common/graph.glsl).
+    /// Binds an input; sets the sampler, `SAMPLER_region`, `SAMPLER_frame` and `SAMPLER_scale` (common/graph.glsl).
     void bind(Program& program, const std::string& sampler, GLuint unit, GraphTexture texture) const;
     /// Sets `target_region` and draws one triangle over region(), where the pass's condition (or the one given) allows
     /// it.
