@@ -36,12 +36,22 @@ struct RenderArguments {
     std::string output;
     std::string touched_masks;
     std::optional<QualityLevel> level;
+    std::optional<double> budget_ms;
     FrameRange frames;
     std::optional<std::int64_t> explain;
     std::int64_t first_number = 0;
     bool overwrite = false;
     bool strict = false;
 };
+
+/// The call's level or budget in place of the scene's.
+void choose_quality(Scene& scene, const RenderArguments& arguments) {
+    if (arguments.level) {
+        scene.quality = *arguments.level;
+        scene.budget_ms.reset();
+    }
+    if (arguments.budget_ms) scene.budget_ms = arguments.budget_ms;
+}
 
 void refuse_input_as_output(const fs::path& output, const Scene& scene) {
     std::vector<fs::path> inputs{scene.path, scene.footage.video, scene.footage.camera, scene.footage.solve};
@@ -101,7 +111,7 @@ void render(const RenderArguments& arguments, CommandContext& context) {
     const auto start = std::chrono::steady_clock::now();
     Warnings& warnings = context.warnings;
     Scene scene = load_scene(arguments.scene, warnings);
-    if (arguments.level) scene.quality = *arguments.level;
+    choose_quality(scene, arguments);
     refuse_input_as_output(arguments.output, scene);
     Solve solve = solve_of_scene(scene, warnings);
     const std::unique_ptr<FrameSource> source = open_frames(scene, arguments.strict, warnings);
@@ -117,7 +127,10 @@ void render(const RenderArguments& arguments, CommandContext& context) {
     const std::unique_ptr<FrameOutput> output = open_frame_output(request, source->info(), warnings);
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
     meter_clip(solve, scene, *gl, {.strict = arguments.strict, .quiet = context.quiet}, warnings);
-    Compositor compositor(*gl, scene, solve, {.quality = scene.quality, .layers = output->needs_layers()}, warnings);
+    Compositor compositor(
+        *gl, scene, solve,
+        {.quality = scene.quality, .budget = budget_of_scene(scene, *gl, warnings), .layers = output->needs_layers()},
+        warnings);
 
     const std::int64_t declared = source->info().frame_count;
     const std::int64_t end = arguments.frames.last ? *arguments.frames.last + 1 : declared;
@@ -164,7 +177,7 @@ void render(const RenderArguments& arguments, CommandContext& context) {
 /// Prints what became of every pass of one frame; writes no picture.
 void explain(const RenderArguments& arguments, CommandContext& context) {
     Scene scene = load_scene(arguments.scene, context.warnings);
-    if (arguments.level) scene.quality = *arguments.level;
+    choose_quality(scene, arguments);
     Solve solve = solve_of_scene(scene, context.warnings);
     const std::unique_ptr<FrameSource> source = open_frames(scene, arguments.strict, context.warnings);
     source->seek(*arguments.explain);
@@ -174,7 +187,10 @@ void explain(const RenderArguments& arguments, CommandContext& context) {
     }
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
     meter_clip(solve, scene, *gl, {.strict = arguments.strict, .quiet = context.quiet}, context.warnings);
-    Compositor compositor(*gl, scene, solve, {.quality = scene.quality, .timed = true}, context.warnings);
+    Compositor compositor(
+        *gl, scene, solve,
+        {.quality = scene.quality, .budget = budget_of_scene(scene, *gl, context.warnings), .timed = true},
+        context.warnings);
     // The first time compiles programs and fills the pool; the second is what a frame costs.
     compositor.composite(*plate);
     compositor.composite(std::move(*plate));
@@ -216,12 +232,22 @@ void add_render_command(CLI::App& app, CommandContext& context) {
     command->add_flag("--overwrite", arguments->overwrite, "Replace what exists under the output's name");
     command->add_option("--first", arguments->first_number, "Number of frame 0 in picture names (0)")
         ->check(CLI::NonNegativeNumber);
-    command->add_option("--level", arguments->level, "Quality, instead of the scene's")
-        ->transform(
-            CLI::CheckedTransformer(std::map<std::string, QualityLevel>{{"draft", QualityLevel::draft},
-                                                                        {"preview", QualityLevel::preview},
-                                                                        {"final", QualityLevel::final_},
-                                                                        {"reference", QualityLevel::reference}}));
+    CLI::Option* level = command->add_option("--level", arguments->level, "Quality, instead of the scene's")
+                             ->transform(CLI::CheckedTransformer(
+                                 std::map<std::string, QualityLevel>{{"draft", QualityLevel::draft},
+                                                                     {"preview", QualityLevel::preview},
+                                                                     {"final", QualityLevel::final_},
+                                                                     {"reference", QualityLevel::reference}}));
+    command
+        ->add_option("--budget-ms", arguments->budget_ms,
+                     "Milliseconds a frame may take, instead of a level (after `report --calibrate-machine`)")
+        ->check([](const std::string& text) -> std::string {
+            // CLI::Range lets NaN pass.
+            double value = 0;
+            const bool in_range = CLI::detail::lexical_cast(text, value) && value > 0 && value <= 1e6;
+            return in_range ? std::string() : "'" + text + "' is not above 0 and up to 1000000";
+        })
+        ->excludes(level);
     command->add_option("--touched", arguments->touched_masks,
                         "Also write a mask a frame: white where a pixel is no longer the plate's (touched_%04d.png)");
     command->add_flag("--strict", arguments->strict, "Damaged or truncated footage is an error, not a warning");

@@ -18,7 +18,9 @@
 #include "gl/bandwidth.h"
 #include "gl/context.h"
 #include "media/image_io.h"
+#include "report/budgets.h"
 #include "report/experiments.h"
+#include "report/machine_calibration.h"
 #include "report/report_folder.h"
 #include "report/stability_cases.h"
 #include "report/truth.h"
@@ -33,7 +35,13 @@ struct ReportArguments {
     std::optional<std::int64_t> frame;
     std::vector<std::string> effects;  // all when empty
     int repeats = 0;                   // 0: seven, or three when quick
-    bool quick = false, overwrite = false, stability = false;
+    bool quick = false, overwrite = false, stability = false, calibrate_machine = false;
+
+    TimingOptions timing() const {
+        TimingOptions timing;
+        timing.repeats = repeats > 0 ? repeats : quick ? 3 : 7;
+        return timing;
+    }
 };
 
 Machine this_machine(GlContext& context) {
@@ -81,6 +89,10 @@ std::string effect_lines(const Report& report) {
         text += fmt::format("against the truth, {:<10}{:>10.3g} ms   FLIP inside {:.4f}\n", row.level,
                             row.time.median_ms, row.flip_in.value_or(0));
     }
+    for (const BudgetRow& row : report.budget) {
+        text += fmt::format("budget {:>8.4g} ms: predicted {:.4g} ms, measured {:.4g} ms ({})\n", row.budget_ms,
+                            row.predicted_ms, row.measured_ms, row.choice);
+    }
     return text;
 }
 
@@ -96,8 +108,7 @@ void measure_scene(const ReportArguments& arguments, GlContext& gl, CommandConte
     report.provenance = fmt::format("matchlight {}\n{}", version, scene.effective_toml);
 
     const ExperimentOptions options{.quick = arguments.quick, .by_name = !arguments.effects.empty()};
-    TimingOptions timing;
-    timing.repeats = arguments.repeats > 0 ? arguments.repeats : arguments.quick ? 3 : 7;
+    const TimingOptions timing = arguments.timing();
     Progress progress("report", static_cast<std::int64_t>(all_experiments().size()) + (truth ? 1 : 0), context.quiet);
     for (const NamedExperiment& named : all_experiments()) {
         if (stop_requested()) throw InputError(arguments.output, "stopped by a signal");
@@ -112,6 +123,30 @@ void measure_scene(const ReportArguments& arguments, GlContext& gl, CommandConte
         report.truth = frame_error_against_truth(stage, *truth, options, timing);
         progress.advance();
     }
+    report.budget = budgets_predicted_and_measured(stage, timing);
+}
+
+/// Measures this machine and writes the table that budgets are kept by.
+void calibrate(const ReportArguments& arguments, CommandContext& context) {
+    const auto path = level_table_path();
+    if (!path) throw InputError("", "neither XDG_CACHE_HOME nor HOME says where the table of levels goes", "set one");
+    const std::unique_ptr<GlContext> gl = create_offscreen_context();
+    Progress progress("calibrate", calibration_steps(), context.quiet);
+    const LevelTable table = calibrate_machine(*gl, arguments.timing(), [&] { progress.advance(); });
+    save_level_table(*path, table, context.warnings);
+    nlohmann::json json{{"table", path->string()}, {"effects", nlohmann::json::object()}};
+    std::string text = fmt::format("{}\n", path->string());
+    for (const auto& [effect, levels] : table.effects) {
+        for (const LevelCost& cost : levels) {
+            json["effects"][effect].push_back({{"level", cost.level},
+                                               {"fixed_ms", cost.fixed_ms},
+                                               {"ms_per_megapixel", cost.ms_per_megapixel},
+                                               {"flip", cost.flip}});
+            text += fmt::format("  {:<10}{:<12}{:>9.3g} ms + {:>8.3g} ms a megapixel   FLIP {:.5f}\n", effect,
+                                cost.level, cost.fixed_ms, cost.ms_per_megapixel, cost.flip);
+        }
+    }
+    print_result(context, json, text);
 }
 
 void run_stability_cases(CommandContext& context, Report& report) {
@@ -159,7 +194,6 @@ void add_report_command(CLI::App& app, CommandContext& context) {
     command->add_option("scene", arguments->scene, "Scene file, tracked (none with --stability alone)")
         ->type_name("SCENE.toml");
     command->add_option("-o,--output", arguments->output, "Folder for report.html, report.csv and report.json")
-        ->required()
         ->type_name("DIR");
     command->add_option("--frame", arguments->frame, "Frame to measure (the first that has a pose)")
         ->check(CLI::NonNegativeNumber);
@@ -175,11 +209,19 @@ void add_report_command(CLI::App& app, CommandContext& context) {
         "Pictures with the objects really there (truth_%03d.png): also measure whole frames against them");
     command->add_flag("--stability", arguments->stability,
                       "A table of stiff and extreme cases: what came out of each, against its bound");
+    command->add_flag("--calibrate-machine", arguments->calibrate_machine,
+                      "Measure what every level costs on this machine, once, for scenes with budget_ms: the table goes "
+                      "into the user's cache folder");
     command->add_flag("--quick", arguments->quick, "Fewer knobs and cheaper references: some seconds an effect");
     command->add_flag("--overwrite", arguments->overwrite, "Replace a report that exists");
     command->callback([arguments, &context] {
-        if (arguments->scene.empty() && !arguments->stability) throw CLI::RequiredError("SCENE.toml or --stability");
-        make_report(*arguments, context);
+        const bool reports = !arguments->scene.empty() || arguments->stability;
+        if (!reports && !arguments->calibrate_machine) {
+            throw CLI::RequiredError("SCENE.toml, --stability or --calibrate-machine");
+        }
+        if (reports && arguments->output.empty()) throw CLI::RequiredError("--output");
+        if (arguments->calibrate_machine) calibrate(*arguments, context);
+        if (reports) make_report(*arguments, context);
     });
 }
 

@@ -5,7 +5,7 @@
 
 namespace matchlight {
 
-CameraEffects::CameraEffects(ShaderLibrary& shaders, const EffectSettings& settings, QualityLevel quality,
+CameraEffects::CameraEffects(ShaderLibrary& shaders, const EffectSettings& settings, const Quality& quality,
                              const Camera& camera)
     : shaders_(shaders), quality_(quality), camera_(camera) {
     set_settings(settings);
@@ -29,6 +29,11 @@ void CameraEffects::set_settings(const EffectSettings& settings) {
     }
 }
 
+void CameraEffects::set_quality(const Quality& quality) {
+    quality_ = quality;
+    for (Glare& glare : glares_) glare.wave.reset();  // its kernel is of another quality
+}
+
 void CameraEffects::add_glare_of(const GlareSettings& settings, const StreakSource& source, const std::string& name) {
     const std::string dark = "no light is above the threshold of " + name;
     glares_.push_back({.settings = settings,
@@ -44,7 +49,7 @@ void CameraEffects::add_glare(RenderGraph& graph, const FrameLight& light, Glare
     const GlareSettings& settings = glare.settings;
     if (settings.level != GlareLevel::diffraction) {
         const StreakKnobs knobs =
-            streak_knobs(settings.level == GlareLevel::reference ? QualityLevel::reference : quality_);
+            streak_knobs(settings.level == GlareLevel::reference ? QualityLevel::reference : quality_.glare);
         parts.push_back({add_streaks(graph, shaders_, light, settings, knobs, glare.source, *glare.streak_light),
                          glare.streak_light.get()});
     }
@@ -55,7 +60,7 @@ void CameraEffects::add_glare(RenderGraph& graph, const FrameLight& light, Glare
                                                                   .frame_width = camera_.width,
                                                                   .frame_height = camera_.height,
                                                                   .focal_px = camera_.fx,
-                                                                  .knobs = wave_glare_knobs(quality_)});
+                                                                  .knobs = wave_glare_knobs(quality_.glare)});
     }
     const WaveGlareSource source{light, glare.source.share, glare.source.object_strength};
     parts.push_back({add_wave_glare(graph, source, *glare.wave_light, *glare.wave), glare.wave_light.get()});
@@ -66,8 +71,8 @@ GraphTexture CameraEffects::add(RenderGraph& graph, const FrameLight& light) {
     if (!light.after) return {};
     std::vector<SpillPart> parts;
     if (settings_.bloom) {
-        parts.push_back({add_bloom(graph, shaders_, light, *settings_.bloom, bloom_knobs(*settings_.bloom, quality_),
-                                   object_strength(), bloom_light_),
+        parts.push_back({add_bloom(graph, shaders_, light, *settings_.bloom,
+                                   bloom_knobs(*settings_.bloom, quality_.bloom), object_strength(), bloom_light_),
                          &bloom_light_});
     }
     for (Glare& glare : glares_) add_glare(graph, light, glare, parts);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibration/camera.h"
+#include "compositor/quality.h"
 #include "gl/condition.h"
 #include "gl/shader_library.h"
 #include "render/effects/spill.h"
@@ -20,7 +21,7 @@ namespace matchlight {
 class CameraEffects {
 public:
     /// Throws InputError where an aperture's image is bad.
-    CameraEffects(ShaderLibrary& shaders, const EffectSettings& settings, QualityLevel quality, const Camera& camera);
+    CameraEffects(ShaderLibrary& shaders, const EffectSettings& settings, const Quality& quality, const Camera& camera);
 
     /// Whether any of them spills light.
     bool any() const { return settings_.bloom.has_value() || !glares_.empty(); }
@@ -30,8 +31,9 @@ public:
     void explain(RenderGraph& graph) const;
 
     const EffectSettings& settings() const { return settings_; }
-    /// What another setting of glare needs is made with the next frame.
+    /// What another setting or quality of glare needs is made with the next frame.
     void set_settings(const EffectSettings& settings);
+    void set_quality(const Quality& quality);
 
 private:
     /// The scene's glare, or that of dazzling reflection alone.
@@ -48,7 +50,7 @@ private:
 
     ShaderLibrary& shaders_;
     EffectSettings settings_;
-    QualityLevel quality_;
+    Quality quality_;
     Camera camera_;
     GpuCondition bloom_light_{"no light is above the threshold of bloom"};
     std::vector<Glare> glares_;

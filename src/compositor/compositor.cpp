@@ -75,6 +75,8 @@ struct Compositor::Impl {
     /// What a frame needs drawn; nullopt where it stays as it came.
     std::optional<FramePlan> plan_of(const PlateFrame& plate, bool whole_frame);
     FrameResources resources();
+    /// Sets the levels that the largest of some frames over the clip has time for.
+    void keep_to_budget(const FrameBudget& budget);
     /// Also extends `object_bounds` (normalised coordinates) by every object in view.
     Reach reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
                    Eigen::AlignedBox2d& object_bounds);
@@ -88,6 +90,7 @@ struct Compositor::Impl {
     SurfaceRenderer surfaces;
     RenderGraph graph;
     std::optional<ClipLight> light;
+    std::optional<LevelChoice> level_choice;   // by the budget
     std::optional<Background> background;      // of a scene without footage
     std::optional<ShadowFootprint> footprint;  // made with the first frame, whose depth sets the limit
     LensMap lens_map;
@@ -106,7 +109,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
       warnings(the_warnings),
       surfaces(shaders),
       lens_map(make_lens_map(solve.camera)),
-      effects(shaders, scene.effects, the_options.quality, solve.camera) {
+      effects(shaders, scene.effects, quality, solve.camera) {
     place_objects(scene, warnings);
     light.emplace(shaders, surfaces, scene, quality, warnings);
     if (scene.camera) {
@@ -117,6 +120,43 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
     for (const PassInput& input : light->add_passes(graph)) graph.output(input.texture);
     graph.run(options.timed);
     check_no_gl_error("making what the whole clip shares");
+    if (options.budget) keep_to_budget(*options.budget);
+}
+
+void Compositor::Impl::keep_to_budget(const FrameBudget& budget) {
+    // One choice for the clip, so that nothing changes from frame to frame and no chunk differs from the whole.
+    constexpr std::size_t most_frames = 32;
+    const std::size_t step = std::max<std::size_t>(1, solve.frames.size() / most_frames);
+    for (std::size_t i = 0; i < solve.frames.size(); i += step) {
+        const SolvedFrame& frame = solve.frames[i];
+        if (!frame.camera_from_world) continue;
+        Eigen::AlignedBox2d object_bounds;
+        const Reach reach = reach_of(*frame.camera_from_world, PlateFormat{}, object_bounds);
+        const Region objects = object_bounds.isEmpty() ? Region{} : plate_region(object_bounds, solve.camera, 0);
+        constexpr double megapixel = 1e6;
+        const FrameExtent extent{.object_megapixels = static_cast<double>(objects.width) * objects.height / megapixel,
+                                 .reach_megapixels = static_cast<double>(reach.pixels()) / megapixel,
+                                 .light = reach.bounds,
+                                 .frame_width = solve.camera.width,
+                                 .frame_height = solve.camera.height};
+        LevelChoice choice = choose_levels(budget.table, loads_of(effects.settings(), extent), budget.ms);
+        // The frame that has the least room decides.
+        const bool decides =
+            !level_choice || choice.within_budget < level_choice->within_budget ||
+            (choice.within_budget == level_choice->within_budget &&
+             choice.predicted_flip > level_choice->predicted_flip) ||
+            (choice.levels == level_choice->levels && choice.predicted_ms > level_choice->predicted_ms);
+        if (decides) level_choice = std::move(choice);
+    }
+    footprint.reset();  // it is of a plate's depth, which no frame has told yet
+    if (!level_choice) return;
+    if (!level_choice->within_budget) {
+        warnings.add(
+            fmt::format("{}: the quickest levels need about {:.3g} ms a frame, more than the budget of {:g} ms",
+                        solve.footage_file, level_choice->predicted_ms, budget.ms));
+    }
+    quality = with_levels(quality, *level_choice);
+    effects.set_quality(quality);
 }
 
 void Compositor::Impl::place_objects(const Scene& scene, Warnings& the_warnings) {
@@ -179,6 +219,10 @@ Compositor::Compositor(GlContext& context, const Scene& scene, const Solve& solv
     : impl_(std::make_unique<Impl>(context, scene, solve, options, warnings)) {}
 
 Compositor::~Compositor() = default;
+
+const std::optional<LevelChoice>& Compositor::level_choice() const {
+    return impl_->level_choice;
+}
 
 SurfaceRenderer& Compositor::surfaces() {
     return impl_->surfaces;

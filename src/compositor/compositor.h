@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "compositor/budget.h"
 #include "compositor/quality.h"
 #include "core/image.h"
 #include "core/warnings.h"
@@ -52,8 +53,9 @@ struct CompositedFrame {
 
 struct CompositorOptions {
     QualityLevel quality = QualityLevel::final_;
-    std::optional<Quality> settings = {};  // instead of what `quality` means
-    bool layers = false;                   // also return FrameLayers
+    std::optional<Quality> settings = {};    // instead of what `quality` means
+    std::optional<FrameBudget> budget = {};  // chooses the levels within `settings` or `quality`
+    bool layers = false;                     // also return FrameLayers
     bool leave_out = true;  // false: draw what could be left out, too; the result is the same, bit for bit
     bool timed = false;     // time every pass, for reports(); waits for the GPU at each
 };
@@ -90,6 +92,9 @@ public:
     /// The virtual layer alone over the whole frame, for output with alpha: code values of its light, premultiplied by
     /// alpha, 4 floats a pixel. Needs the frame's layers.
     ImageF virtual_layer_code(const CompositedFrame& frame) const;
+
+    /// What the budget chose, for every frame of the clip; nullopt without a budget.
+    const std::optional<LevelChoice>& level_choice() const;
 
     /// The objects on the GPU, for the report: it holds what is drawn of them against references.
     SurfaceRenderer& surfaces();

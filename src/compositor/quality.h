@@ -17,20 +17,26 @@ struct Quality {
     int mirror_face_px = 512;  // the reflection cube's sharpest level
     ContactShadowSettings shadow;
     ObjectShadowSettings object_shadow;
+    // Levels of the camera's effects; each effect says what they are.
+    QualityLevel bloom = QualityLevel::final_;
+    QualityLevel glare = QualityLevel::final_;
 };
 
 inline Quality quality_of(QualityLevel level) {
     switch (level) {
         case QualityLevel::draft:
-            return {1, 1, 128, {.directions = 16, .resolution = 256}, {.directions = 0}};
+            return {1, 1, 128, {.directions = 16, .resolution = 256}, {.directions = 0}, level, level};
         case QualityLevel::preview:
-            return {1, 1, 256, {.directions = 32, .resolution = 512}, {.directions = 32, .resolution = 128}};
+            return {1,     1,    256, {.directions = 32, .resolution = 512}, {.directions = 32, .resolution = 128},
+                    level, level};
         case QualityLevel::reference:
             return {4,
                     4,
                     1024,
                     {.directions = 1024, .resolution = 2048, .lost_share = 0.0005},
-                    {.directions = 256, .resolution = 512}};
+                    {.directions = 256, .resolution = 512},
+                    level,
+                    level};
         case QualityLevel::final_:
             break;
     }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "compositor/exposure_meter.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "media/frame_source.h"
@@ -59,7 +60,9 @@ SceneStage::SceneStage(GlContext& gl_context, const Scene& the_scene, std::optio
       solve(solve_of_scene(scene, warnings)),
       plate(plate_of(scene, frame_to_measure(solve, frame), warnings)),
       probe(probe_of(scene, warnings)),
-      response(response_of(plate->format(), solve)) {}
+      response(response_of(plate->format(), solve)) {
+    meter_clip(solve, scene, context, {.quiet = true}, warnings);
+}
 
 std::unique_ptr<Compositor> SceneStage::compositor(const Quality& quality, bool layers) const {
     return compositor(scene, quality, layers);

@@ -1,22 +1,20 @@
 // Cases on the GPU: environment maps, shadows, bright light and what it spills.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <numbers>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "core/warnings.h"
 #include "gl/framebuffer.h"
-#include "media/image_io.h"
 #include "render/effects/bloom.h"
 #include "render/effects/bright_pass.h"
 #include "render/effects/contact_shadow.h"
 #include "render/environment.h"
 #include "report/effect_stage.h"
+#include "report/scratch_probe.h"
 #include "report/stability_cases.h"
 
 namespace matchlight {
@@ -101,29 +99,6 @@ void add_environment_cases(std::vector<StabilityCase>& cases) {
                          }});
     }
 }
-
-/// A probe's file that is gone again with its folder.
-class ScratchProbe {
-public:
-    explicit ScratchProbe(const ImageF& light) {
-        std::string name = (std::filesystem::temp_directory_path() / "matchlight_stability_XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for temporary files");
-        folder_ = name;
-        write_exr(path(), light.width(), light.height(),
-                  {{.name = "", .channels = {"R", "G", "B"}, .image = &light, .half = false, .data_window = {}}}, {});
-    }
-    ~ScratchProbe() {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
-    }
-    ScratchProbe(const ScratchProbe&) = delete;
-    ScratchProbe& operator=(const ScratchProbe&) = delete;
-
-    std::filesystem::path path() const { return folder_ / "probe.exr"; }
-
-private:
-    std::filesystem::path folder_;
-};
 
 void add_probe_cases(std::vector<StabilityCase>& cases) {
     struct Damage {

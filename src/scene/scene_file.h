@@ -97,6 +97,7 @@ struct Scene {
     SurfaceSettings surface;
     EffectSettings effects;
     QualityLevel quality = QualityLevel::final_;
+    std::optional<double> budget_ms;  // for a frame: chooses levels within it
     OutputSettings output;
     std::string effective_toml;  // every setting with its value, defaults included: recorded in outputs
 };

@@ -143,7 +143,9 @@ const std::vector<Setting> own_settings = {
 
     {"quality", "level", one_of({"draft", "preview", "final", "reference"}), "", "\"final\"", "how exactly to render",
      [](Scene& s, const SettingValue& v) { s.quality = static_cast<QualityLevel>(v.choice); }},
-    {"quality", "budget_ms", of_kind(left_out), "ms", "", "time for a frame, instead of a level", nullptr},
+    {"quality", "budget_ms", above(number, 0, 1e6), "ms", "",
+     "time for a frame: levels are chosen within it, by the table that `report --calibrate-machine` made",
+     [](Scene& s, const SettingValue& v) { s.budget_ms = v.number; }},
 
     {"output", "codec", one_of({"h264", "h265", "ffv1", "prores4444"}), "", "\"h264\"", "of video files",
      [](Scene& s, const SettingValue& v) { s.output.codec = v.text; }},

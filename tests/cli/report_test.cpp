@@ -149,12 +149,61 @@ TEST_F(ReportTest, StabilityNeedsNoScene) {
     EXPECT_NE(bytes_of(folder / "report.html").find("8192"), std::string::npos);
 }
 
+TEST_F(ReportTest, BudgetsAreKeptByTheTableOfTheMachine) {
+    track();
+    RunOptions options;
+    options.environment["XDG_CACHE_HOME"] = scratch_.path().string();
+    options.timeout = std::chrono::seconds(280);
+    const std::vector<std::string> render{
+        "render", scene_, "-o", scratch_ / "out_%03d.png", "--frames", "0-0", "--overwrite", "--budget-ms", "1e5"};
+    EXPECT_TRUE(warned_of(run_matchlight(render, options), {"budget_ms", "report --calibrate-machine"}));
+    const std::string at_final = bytes_of(scratch_ / "out_000.png");
+
+    const RunResult calibrated =
+        run_matchlight({"report", "--calibrate-machine", "--quick", "--repeats", "1", "--json"}, options);
+    ASSERT_TRUE(succeeded(calibrated));
+    const json table = json::parse(bytes_of(scratch_ / "matchlight" / "levels.json"));
+    EXPECT_EQ(table["matchlight_levels"], 1);
+    ASSERT_EQ(table["machines"].size(), 1u);
+    const json& effects = table["machines"][0]["effects"];
+    EXPECT_EQ(effects, json::parse(calibrated.standard_output)["effects"]);
+    for (const char* part : {"frame", "surface", "bloom"}) ASSERT_TRUE(effects.contains(part)) << part;
+    // The dearest level is the reference, and its error the least.
+    EXPECT_GT(effects["surface"][0]["flip"], effects["surface"][1]["flip"]);
+    EXPECT_EQ(effects["surface"][2]["level"], "reference");
+    EXPECT_EQ(effects["surface"][2]["flip"], 0);
+
+    // Time without end chooses the finest level, and no time the coarsest.
+    ASSERT_TRUE(succeeded(run_matchlight(render, options)));
+    const std::string with_much = bytes_of(scratch_ / "out_000.png");
+    EXPECT_NE(with_much, at_final);
+    std::vector<std::string> hasty = render;
+    hasty.back() = "0.001";
+    EXPECT_TRUE(warned_of(run_matchlight(hasty, options), {"the quickest levels need about"}));
+    EXPECT_NE(bytes_of(scratch_ / "out_000.png"), with_much);
+
+    // The report sets what was predicted beside what came out.
+    const fs::path folder = scratch_ / "report";
+    ASSERT_TRUE(succeeded(run_matchlight(
+        {"report", scene_, "-o", folder, "--quick", "--repeats", "1", "--effects", "reflection", "-q"}, options)));
+    const json budgets = json::parse(bytes_of(folder / "report.json"))["budget"];
+    ASSERT_EQ(budgets.size(), 3u);
+    for (const json& row : budgets) {
+        EXPECT_GT(row["predicted_ms"], 0);
+        EXPECT_GT(row["measured_ms"], 0);
+        EXPECT_NE(row["choice"].get<std::string>().find("surface"), std::string::npos);
+    }
+}
+
 TEST_F(ReportTest, RefusesWrongCalls) {
     EXPECT_TRUE(refused_call(run_matchlight({"report", scene_})));
     EXPECT_TRUE(refused_call(run_matchlight({"report", "-o", scratch_ / "report"})));
     EXPECT_TRUE(refused_call(report(scratch_ / "report", {"--effects", "blum"})));
     EXPECT_TRUE(refused_call(report(scratch_ / "report", {"--repeats", "0"})));
     EXPECT_TRUE(refused_call(report(scratch_ / "report", {"--frame", "-1"})));
+    for (const char* budget : {"0", "-3", "nan", "x"}) {
+        EXPECT_TRUE(refused_call(run_matchlight({"render", scene_, "-o", scratch_ / "a.mp4", "--budget-ms", budget})));
+    }
 }
 
 }  // namespace
