@@ -5,10 +5,11 @@ namespace matchlight {
 
 const std::vector<NamedExperiment>& all_experiments() {
     static const std::vector<NamedExperiment> experiments = {
-        {"antialiasing", antialiasing_experiment},   {"contact_shadow", contact_shadow_experiment},
-        {"object_shadow", object_shadow_experiment}, {"reflection", reflection_experiment},
-        {"glossy_reflection", glossy_experiment},    {"bloom", bloom_experiment},
-        {"classic_bloom", classic_bloom_experiment}, {"diffraction", diffraction_experiment}};
+        {"antialiasing", antialiasing_experiment},       {"contact_shadow", contact_shadow_experiment},
+        {"object_shadow", object_shadow_experiment},     {"reflection", reflection_experiment},
+        {"glossy_reflection", glossy_experiment},        {"bloom", bloom_experiment},
+        {"classic_bloom", classic_bloom_experiment},     {"streaks", streaks_experiment},
+        {"classic_streaks", classic_streaks_experiment}, {"diffraction", diffraction_experiment}};
     return experiments;
 }
 

@@ -35,6 +35,10 @@ std::optional<Experiment> classic_bloom_experiment(const SceneStage& stage, cons
 /// Diffraction by the aperture, and the lenticular halo where there is one.
 std::optional<Experiment> diffraction_experiment(const SceneStage& stage, const ExperimentOptions& options);
 
+/// Streak glare, and as the study had it.
+std::optional<Experiment> streaks_experiment(const SceneStage& stage, const ExperimentOptions& options);
+std::optional<Experiment> classic_streaks_experiment(const SceneStage& stage, const ExperimentOptions& options);
+
 struct NamedExperiment {
     std::string name;  // as --effects takes it
     std::optional<Experiment> (*make)(const SceneStage&, const ExperimentOptions&);

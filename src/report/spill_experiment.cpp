@@ -110,7 +110,8 @@ Experiment make_experiment(const SceneStage& stage, const SpillExperiment& spill
         const FrameLightImages whole = over_whole_frame(light);
         const auto picture = std::make_shared<ImageF>(frame_picture(stage, light));
         experiment.reference = with_added(*picture, narrowed(spill.reference(whole, false)));
-        experiment.coarse_reference = with_added(*picture, narrowed(spill.reference(whole, true)));
+        const ImageD with_half = spill.reference(whole, true);
+        if (!with_half.empty()) experiment.coarse_reference = with_added(*picture, narrowed(with_half));
         for (const SpillWay& way : spill.ways) {
             Candidate candidate;
             candidate.point = {.level = way.label, .knobs = way.knobs, .precision = way.precision};

@@ -25,7 +25,8 @@ struct SpillExperiment {
     std::size_t final_way = 0;  // whose leaving out is measured
     /// Light below it spills nothing by the effect's definition.
     double dark_below = 0;
-    /// What the effect adds to the whole frame, in double precision, with half the effort and with all of it.
+    /// What the effect adds to the whole frame, in double precision, with all the effort or half of it (empty where
+    /// there is nothing to halve).
     std::function<ImageD(const FrameLightImages& light, bool with_half)> reference;
 };
 

@@ -12,6 +12,8 @@
 #include "render/effects/bloom.h"
 #include "render/effects/bright_pass.h"
 #include "render/effects/contact_shadow.h"
+#include "render/effects/streaks.h"
+#include "render/effects/wave_glare.h"
 #include "render/environment.h"
 #include "report/effect_stage.h"
 #include "report/scratch_probe.h"
@@ -301,6 +303,66 @@ void add_bloom_cases(std::vector<StabilityCase>& cases) {
     }
 }
 
+void add_streak_cases(std::vector<StabilityCase>& cases) {
+    const auto streaks_of = [](const GlareSettings& settings) -> AddSpill {
+        return [settings](RenderGraph& graph, ShaderLibrary& shaders, const FrameLight& light, GpuCondition& bright) {
+            return add_streaks(graph, shaders, light, settings, streak_knobs(QualityLevel::final_), {}, bright);
+        };
+    };
+    for (const auto& [name, level] :
+         {std::pair{"streaks", GlareLevel::streaks}, {"streaks, classic", GlareLevel::classic}}) {
+        const GlareSettings settings{.level = level, .threshold = 0, .knee = 0, .strength = 1, .passes = 2};
+        // A lone pixel is held back as a firefly, by design: its energy is bounded below, at light of 1.
+        for (StabilityCase& one : spill_cases(name, {.energy = {}, .huge_frames = true}, streaks_of(settings))) {
+            cases.push_back(std::move(one));
+        }
+    }
+    for (const double attenuation : {0.9, 0.99, 0.999}) {
+        const GlareSettings settings{.threshold = 0, .knee = 0, .strength = 1, .attenuation = attenuation, .passes = 3};
+        cases.push_back({"streaks",
+                         fmt::format("a = {:g}, one pixel of 1 in 401×301", attenuation),
+                         "largest light added",
+                         {0, 1},
+                         // Half floats of a long faint line, and a thousandth that is held back as a firefly.
+                         Bound{0.985, 1.005},
+                         [streaks = streaks_of(settings)] {
+                             EffectStage stage(one_bright_pixel(401, 301, 1));
+                             ShaderLibrary shaders;
+                             stage.draw([&](RenderGraph& graph, const FrameLight& frame, GpuCondition& bright) {
+                                 return streaks(graph, shaders, frame, bright);
+                             });
+                             double largest = 0;
+                             const ImageF added = stage.added();
+                             for (const float value : added.samples()) {
+                                 largest = std::isfinite(value)
+                                               ? std::max(largest, std::abs(static_cast<double>(value)))
+                                               : infinite;
+                             }
+                             return StabilityOutcome{largest, stage.energy()};
+                         }});
+    }
+}
+
+void add_wave_cases(std::vector<StabilityCase>& cases) {
+    GlareSettings settings{.level = GlareLevel::diffraction, .threshold = 0, .knee = 0, .strength = 1, .halo = 1};
+    // Each frame has a glare of its own, which must outlive the drawing.
+    const auto glare = std::make_shared<std::unique_ptr<WaveGlare>>();
+    const AddSpill add = [settings, glare](RenderGraph& graph, ShaderLibrary& shaders, const FrameLight& light,
+                                           GpuCondition& bright) {
+        const Region frame = graph.frame();
+        *glare = std::make_unique<WaveGlare>(shaders, settings,
+                                             WaveGlareOptions{.frame_width = frame.width,
+                                                              .frame_height = frame.height,
+                                                              .focal_px = static_cast<double>(frame.width),
+                                                              .knobs = wave_glare_knobs(QualityLevel::draft)});
+        return add_wave_glare(graph, {.light = light}, bright, **glare);
+    };
+    // Diffraction and the halo each add as much as came in.
+    for (StabilityCase& one : spill_cases("diffraction and halo", {.energy = {}, .most_gain = 2.01}, add)) {
+        cases.push_back(std::move(one));
+    }
+}
+
 }  // namespace
 
 std::vector<StabilityCase> light_cases() {
@@ -318,6 +380,8 @@ std::vector<StabilityCase> light_cases() {
         cases.push_back(std::move(one));
     }
     add_bloom_cases(cases);
+    add_streak_cases(cases);
+    add_wave_cases(cases);
     return cases;
 }
 

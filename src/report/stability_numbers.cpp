@@ -12,6 +12,8 @@
 #include "core/transforms.h"
 #include "lighting/probe.h"
 #include "render/effects/bright_light.h"
+#include "render/effects/exposure.h"
+#include "report/exposure_reference.h"
 #include "report/flip.h"
 #include "report/hdr_flip.h"
 #include "report/image_error.h"
@@ -250,6 +252,29 @@ void add_metric_cases(std::vector<StabilityCase>& cases) {
     }
 }
 
+void add_adaptation_cases(std::vector<StabilityCase>& cases) {
+    for (const double steps : {1e-3, 1.0, 2.1, 1e3, 1e6}) {
+        cases.push_back({"adaptation",
+                         fmt::format("100 frames of {:g} time constants each, over 40 EV", steps),
+                         "largest error in EV against the closed form",
+                         {0, 1e-9},
+                         {},
+                         [steps] {
+                             const ExposureSettings settings;
+                             constexpr double start = -20, target = 20;
+                             const double dt_s = steps * settings.to_light_s;
+                             double now = start, worst = 0;
+                             for (int frame = 1; frame <= 100; ++frame) {
+                                 now = adapted(now, target, dt_s, settings);
+                                 const double expected =
+                                     reference_adaptation(start, target, frame * dt_s, settings.to_light_s);
+                                 worst = std::isfinite(now) ? std::max(worst, std::abs(now - expected)) : infinity;
+                             }
+                             return StabilityOutcome{worst, {}};
+                         }});
+    }
+}
+
 }  // namespace
 
 std::vector<StabilityCase> number_cases() {
@@ -261,6 +286,7 @@ std::vector<StabilityCase> number_cases() {
     add_light_cases(cases);
     add_bright_curve_cases(cases);
     add_metric_cases(cases);
+    add_adaptation_cases(cases);
     return cases;
 }
 
