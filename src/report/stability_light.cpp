@@ -13,7 +13,6 @@
 #include "render/effects/bright_pass.h"
 #include "render/effects/contact_shadow.h"
 #include "render/effects/streaks.h"
-#include "render/effects/wave_glare.h"
 #include "render/environment.h"
 #include "report/effect_stage.h"
 #include "report/scratch_probe.h"
@@ -343,26 +342,6 @@ void add_streak_cases(std::vector<StabilityCase>& cases) {
     }
 }
 
-void add_wave_cases(std::vector<StabilityCase>& cases) {
-    GlareSettings settings{.level = GlareLevel::diffraction, .threshold = 0, .knee = 0, .strength = 1, .halo = 1};
-    // Each frame has a glare of its own, which must outlive the drawing.
-    const auto glare = std::make_shared<std::unique_ptr<WaveGlare>>();
-    const AddSpill add = [settings, glare](RenderGraph& graph, ShaderLibrary& shaders, const FrameLight& light,
-                                           GpuCondition& bright) {
-        const Region frame = graph.frame();
-        *glare = std::make_unique<WaveGlare>(shaders, settings,
-                                             WaveGlareOptions{.frame_width = frame.width,
-                                                              .frame_height = frame.height,
-                                                              .focal_px = static_cast<double>(frame.width),
-                                                              .knobs = wave_glare_knobs(QualityLevel::draft)});
-        return add_wave_glare(graph, {.light = light}, bright, **glare);
-    };
-    // Diffraction and the halo each add as much as came in.
-    for (StabilityCase& one : spill_cases("diffraction and halo", {.energy = {}, .most_gain = 2.01}, add)) {
-        cases.push_back(std::move(one));
-    }
-}
-
 }  // namespace
 
 std::vector<StabilityCase> light_cases() {
@@ -381,7 +360,6 @@ std::vector<StabilityCase> light_cases() {
     }
     add_bloom_cases(cases);
     add_streak_cases(cases);
-    add_wave_cases(cases);
     return cases;
 }
 
