@@ -103,6 +103,7 @@ Preview::Preview(const PreviewOptions& options, Warnings& warnings) : options_(o
     if (options.level) {
         ShotSwitches switches = shot_->switches();
         switches.level = *options.level;
+        switches.budget = false;
         shot_->set_switches(switches);
     }
     const std::int64_t count = shot_->frames().info().frame_count;
@@ -187,6 +188,7 @@ void Preview::press(PreviewAction action) {
             return set_switches(switches);
         case PreviewAction::level:
             switches.level = next_level(switches.level);
+            switches.budget = false;
             return set_switches(switches);
         case PreviewAction::plate:
             plate_alone_ = !plate_alone_;
@@ -214,6 +216,7 @@ void Preview::reload_scene() {
     if (options_.level) {
         ShotSwitches switches = shot->switches();
         switches.level = shot_->switches().level;
+        switches.budget = false;
         shot->set_switches(switches);
     }
     shot_ = std::move(shot);
@@ -292,7 +295,8 @@ std::string Preview::title() const {
     add(switches.shadow, "shadow");
     std::string text =
         fmt::format("{}: frame {} of {}, {:.3f} s | {} | {} | {:.0f} ms", printable(options_.scene.filename().string()),
-                    frame_->index(), shot_->frames().info().frame_count, frame_->time_s(), name_of(switches.level),
+                    frame_->index(), shot_->frames().info().frame_count, frame_->time_s(),
+                    switches.budget ? "budget" : name_of(switches.level),
                     plate_alone_ ? "plate alone"
                     : on.empty() ? "no effects"
                                  : on,

@@ -1,6 +1,7 @@
 // Loads as render does, and remakes as little as a switch needs.
 #include "preview/shot.h"
 
+#include "compositor/budget.h"
 #include "compositor/exposure_meter.h"
 #include "scene/footage_options.h"
 #include "tracking/scene_solve.h"
@@ -44,7 +45,8 @@ ShotSwitches Shot::scene_switches() const {
             .dazzle = true,
             .exposure = effects.exposure && effects.exposure->mode == ExposureMode::simulated,
             .shadow = scene_.surface.present && scene_.surface.shadow,
-            .level = scene_.quality};
+            .level = scene_.quality,
+            .budget = scene_.budget_ms.has_value()};
 }
 
 void Shot::make_compositor() {
@@ -52,17 +54,18 @@ void Shot::make_compositor() {
     scene.effects = switched_effects(scene_.effects, switches_);
     scene.surface.shadow = switches_.shadow;
     scene.quality = switches_.level;
+    if (!switches_.budget) scene.budget_ms.reset();
     compositor_.reset();  // its textures first: two sets may be more than the memory holds
     Solve solve = solve_;
     context_.make_current();
     meter_clip(solve, scene, context_, {.quiet = quiet_}, warnings_);
-    compositor_ =
-        std::make_unique<Compositor>(context_, scene, solve, CompositorOptions{.quality = scene.quality}, warnings_);
+    const CompositorOptions options{.quality = scene.quality, .budget = budget_of_scene(scene, context_, warnings_)};
+    compositor_ = std::make_unique<Compositor>(context_, scene, solve, options, warnings_);
 }
 
 void Shot::set_switches(const ShotSwitches& switches) {
-    const bool remake = switches.shadow != switches_.shadow || switches.level != switches_.level ||
-                        switches.exposure != switches_.exposure;
+    const bool remake = switches.budget || switches.budget != switches_.budget || switches.shadow != switches_.shadow ||
+                        switches.level != switches_.level || switches.exposure != switches_.exposure;
     switches_ = switches;
     if (remake) compositor_.reset();
     if (compositor_) compositor_->set_effects(switched_effects(scene_.effects, switches_));

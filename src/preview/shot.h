@@ -24,6 +24,7 @@ struct ShotSwitches {
     bool exposure = false;  // simulated exposure control
     bool shadow = false;    // on the surface
     QualityLevel level = QualityLevel::final_;
+    bool budget = false;  // the scene's budget_ms chooses levels instead
 };
 
 /// The scene's effects where they are switched on; where the scene has none of a kind, with its defaults.
@@ -40,7 +41,8 @@ public:
     /// As the scene file has them.
     ShotSwitches scene_switches() const;
     const ShotSwitches& switches() const { return switches_; }
-    /// Shadow, level and exposure make anew what the clip shares, with the next frame; the rest costs nothing.
+    /// Shadow, level and exposure (and all of them under a budget) make anew what the clip shares, with the next frame;
+    /// the rest costs nothing.
     void set_switches(const ShotSwitches& switches);
 
     FrameCache& frames() { return frames_; }
