@@ -1,6 +1,7 @@
 // A graph of one effect.
 #include "report/effect_stage.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -52,10 +53,13 @@ ImageF EffectStage::added() const {
         y -= shape.region.y;
         return light.bounds().contains(x, y) ? static_cast<double>(light.at(x, y, c)) : 0.0;
     };
+    // As linear_in_frame of common/graph.glsl: bilinear between texel centres, and on to the frame's edge.
+    const Region frame = graph_.frame(shape.scale);
+    const Region all = frame.united(shape.region);
     parallel_for(frame_height_, [&](int y) {
         for (int x = 0; x < frame_width_; ++x) {
-            // As composite/response.frag: bilinear between texel centres.
-            const double u = (x + 0.5) / shape.scale - 0.5, v = (y + 0.5) / shape.scale - 0.5;
+            const double u = std::clamp<double>((x + 0.5) / shape.scale - 0.5, all.x, all.x + all.width - 1);
+            const double v = std::clamp<double>((y + 0.5) / shape.scale - 0.5, all.y, all.y + all.height - 1);
             const int left = static_cast<int>(std::floor(u)), top = static_cast<int>(std::floor(v));
             for (int c = 0; c < 3; ++c) {
                 const double above = std::lerp(texel(left, top, c), texel(left + 1, top, c), u - left);
