@@ -24,6 +24,7 @@ th, td { padding: .22rem .6rem; text-align: right; border-bottom: 1px solid #e6e
 th { color: #566274; font-weight: 600; }
 th.word, td.word { text-align: left; }
 td.long { white-space: normal; min-width: 18rem; }
+td.knobs { white-space: normal; min-width: 11rem; font-size: 12px; }
 tr.front td:first-child { font-weight: 700; }
 tr.skipped td { color: #566274; font-style: italic; }
 td.pass { color: #1b7f4b; font-weight: 600; } td.fail { color: #b3261e; font-weight: 700; }
@@ -69,9 +70,9 @@ std::string points_table(const EffectReport& effect) {
     for (std::size_t i = 0; i < effect.points.size(); ++i) {
         const EffectPoint& point = effect.points[i];
         html += fmt::format("<tr{}>", front[i] ? " class=\"front\"" : "") + word(point.level) +
-                word(knobs_text(point.knobs)) + fmt::format("<td>{}</td>", point.precision) +
-                cell(point.time.median_ms, "{:.3g}") + cell(point.time.min_ms, "{:.3g}") +
-                cell(point.time.max_ms, "{:.3g}") +
+                fmt::format("<td class=\"word knobs\">{}</td>", html_text(knobs_text(point.knobs))) +
+                fmt::format("<td>{}</td>", point.precision) + cell(point.time.median_ms, "{:.3g}") +
+                cell(point.time.min_ms, "{:.3g}") + cell(point.time.max_ms, "{:.3g}") +
                 cell(point.bytes > 0 ? std::optional(point.bytes * 1e-6) : std::nullopt, "{:.3g}") +
                 cell(point.bandwidth_bounds, "{:.3g}") + cell(point.errors.flip) + cell(point.errors.hdr_flip) +
                 cell(point.errors.psnr_db) + cell(point.errors.relative_rms) + "</tr>";
