@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "render/effects/streaks_model.h"
+
 namespace matchlight {
 namespace {
 
@@ -58,6 +60,11 @@ std::vector<EffectLoad> loads_of(const EffectSettings& effects, const FrameExten
         loads.push_back(
             {bloom_part, reached_megapixels(extent, cut_sigmas * effects.bloom->radius * extent.frame_height)});
     }
+    // So with streaks; one row of the table stands for any number of directions.
+    if (effects.glare && effects.glare->level == GlareLevel::streaks && !extent.light.empty()) {
+        const double length_px = streak_shape(*effects.glare, extent.frame_height).length_px;
+        loads.push_back({streaks_part, reached_megapixels(extent, length_px)});
+    }
     return loads;
 }
 
@@ -67,6 +74,7 @@ Quality with_levels(Quality quality, const LevelChoice& choice) {
         quality.samples = quality_of(*level).samples;
     }
     if (const auto level = level_named(level_of(choice, bloom_part))) quality.bloom = *level;
+    if (const auto level = level_named(level_of(choice, streaks_part))) quality.glare = *level;
     return quality;
 }
 

@@ -34,6 +34,7 @@ inline constexpr const char* frame_part = "frame";      // all that no level cha
 inline constexpr const char* surface_part = "surface";  // drawing the objects, by the pixels of their box
 inline constexpr const char* any_level = "any";         // of what no level changes
 inline constexpr const char* bloom_part = "bloom";      // by the pixels that it spreads over
+inline constexpr const char* streaks_part = "streaks";  // the same
 
 /// What a frame asks of each part that the scene has.
 std::vector<EffectLoad> loads_of(const EffectSettings& effects, const FrameExtent& extent);

@@ -50,7 +50,7 @@ ImageF room_with_lamps() {
 struct Setup {
     double share = 0.5;  // of the frame's height that the sphere takes
     bool shadow = false;
-    std::optional<BloomSettings> bloom = {};
+    EffectSettings effects = {};
 };
 
 class MadeUpShot {
@@ -103,7 +103,7 @@ private:
         scene.probe->path = probe_.path();
         scene.probe->mapping = ProbeMapping::latlong;
         scene.surface.shadow = setup.shadow;
-        scene.effects.bloom = setup.bloom;
+        scene.effects = setup.effects;
         ObjectSettings sphere;
         sphere.shape = "sphere";
         sphere.translate_m = {0, 0, radius_m};
@@ -182,10 +182,49 @@ double flip_between(const Image8& reference, const Image8& test) {
     return masked_mean(flip_error_map(reference, test)).value_or(0);
 }
 
+/// An effect of bright light, and where its level stands.
+struct SpillingEffect {
+    const char* part;
+    EffectSettings settings;
+    QualityLevel Quality::*level;
+};
+
+/// What each level of an effect adds to the frame without it.
+void calibrate_effect(MadeUpShot& shot, const std::array<FrameExtent, 2>& extents, const SpillingEffect& effect,
+                      const TimingOptions& timing, LevelTable& table) {
+    std::vector<std::function<void()>> works;
+    std::vector<Image8> pictures;
+    for (const double share : shares) {
+        works.push_back(shot.frame(shot.compositor({.share = share}, with_surface(QualityLevel::draft))));
+    }
+    for (const auto& [name, level] : quality_levels) {
+        for (const double share : shares) {
+            Quality quality = with_surface(QualityLevel::draft);
+            quality.*effect.level = level;
+            const auto compositor = shot.compositor({.share = share, .effects = effect.settings}, quality);
+            works.push_back(shot.frame(compositor));
+            if (share == shares[1]) pictures.push_back(shot.picture(*compositor));
+        }
+    }
+    const std::vector<double> ms = least_ms(works, timing);
+    std::array<double, 2> reached{};
+    for (std::size_t k = 0; k < 2; ++k) {
+        for (const EffectLoad& load : loads_of(effect.settings, extents[k])) {
+            if (load.effect == effect.part) reached[k] = load.megapixels;
+        }
+    }
+    for (std::size_t i = 0; i < quality_levels.size(); ++i) {
+        LevelCost cost =
+            line_through(std::string(quality_levels[i].first), reached, {ms[2 + 2 * i] - ms[0], ms[3 + 2 * i] - ms[1]});
+        cost.flip = flip_between(pictures.back(), pictures[i]);
+        table.effects[effect.part].push_back(cost);
+    }
+}
+
 }  // namespace
 
 int calibration_steps() {
-    return 3;
+    return 4;
 }
 
 LevelTable calibrate_machine(GlContext& context, const TimingOptions& timing, const std::function<void()>& done) {
@@ -226,36 +265,12 @@ LevelTable calibrate_machine(GlContext& context, const TimingOptions& timing, co
     }
     done();
 
-    // What bloom adds to the same frame.
-    works.clear();
-    pictures.clear();
-    const BloomSettings bloom;
-    for (const double share : shares) {
-        works.push_back(shot.frame(shot.compositor({.share = share}, with_surface(QualityLevel::draft))));
-    }
-    for (const auto& [name, level] : quality_levels) {
-        for (const double share : shares) {
-            Quality quality = with_surface(QualityLevel::draft);
-            quality.bloom = level;
-            const auto compositor = shot.compositor({.share = share, .bloom = bloom}, quality);
-            works.push_back(shot.frame(compositor));
-            if (share == shares[1]) pictures.push_back(shot.picture(*compositor));
-        }
-    }
-    ms = least_ms(works, timing);
-    const EffectSettings with_bloom{.bloom = bloom, .glare = {}, .dazzle = {}, .exposure = {}};
-    std::array<double, 2> reached{};
-    for (std::size_t k = 0; k < 2; ++k) {
-        for (const EffectLoad& load : loads_of(with_bloom, extents[k])) {
-            if (load.effect == bloom_part) reached[k] = load.megapixels;
-        }
-    }
-    for (std::size_t i = 0; i < quality_levels.size(); ++i) {
-        LevelCost cost =
-            line_through(std::string(quality_levels[i].first), reached, {ms[2 + 2 * i] - ms[0], ms[3 + 2 * i] - ms[1]});
-        cost.flip = flip_between(pictures.back(), pictures[i]);
-        table.effects[bloom_part].push_back(cost);
-    }
+    EffectSettings bloom, streaks;
+    bloom.bloom.emplace();
+    streaks.glare.emplace();
+    calibrate_effect(shot, extents, {bloom_part, bloom, &Quality::bloom}, timing, table);
+    done();
+    calibrate_effect(shot, extents, {streaks_part, streaks, &Quality::glare}, timing, table);
     done();
     return table;
 }

@@ -54,7 +54,8 @@ ImageF reference_mirror_latlong(const Probe& probe, int rays, int width) {
         for (int x = 0; x < width; ++x) {
             Eigen::Vector3d sum = Eigen::Vector3d::Zero();
             for (int i = 0; i < rays * rays; ++i) {
-                const double right = (i % rays + 0.5) / rays - 0.5, down = (i / rays + 0.5) / rays - 0.5;
+                const int column = i % rays, row = i / rays;
+                const double right = (column + 0.5) / rays - 0.5, down = (row + 0.5) / rays - 0.5;
                 sum += probe.radiance(latlong_direction(x + right, y + down, width, width / 2));
             }
             sum /= rays * rays;

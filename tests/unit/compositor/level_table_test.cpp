@@ -94,6 +94,14 @@ TEST(BudgetLoads, FollowWhatTheSceneHas) {
     EXPECT_DOUBLE_EQ(loads_of(effects, extent)[2].megapixels, 0.5);
     effects.bloom->level = BloomLevel::classic;
     EXPECT_EQ(loads_of(effects, extent).size(), 2u);
+    // Streaks of 4² steps, each a 128th of the frame's height: 62.5 pixels.
+    effects.glare = GlareSettings{.passes = 2};
+    const std::vector<EffectLoad> with_streaks = loads_of(effects, extent);
+    ASSERT_EQ(with_streaks.size(), 3u);
+    EXPECT_EQ(with_streaks[2].effect, "streaks");
+    EXPECT_DOUBLE_EQ(with_streaks[2].megapixels, 326 * 226 / 1e6);
+    effects.glare->level = GlareLevel::diffraction;
+    EXPECT_EQ(loads_of(effects, extent).size(), 2u);
 }
 
 TEST(BudgetLoads, ChosenLevelsReplaceTheirOwnSettingsOnly) {
@@ -104,6 +112,8 @@ TEST(BudgetLoads, ChosenLevelsReplaceTheirOwnSettingsOnly) {
     EXPECT_EQ(after.bloom, QualityLevel::reference);
     EXPECT_EQ(after.shadow.directions, before.shadow.directions);
     EXPECT_EQ(after.glare, before.glare);
+    choice.levels["streaks"] = "draft";
+    EXPECT_EQ(with_levels(before, choice).glare, QualityLevel::draft);
 }
 
 class LevelTableFile : public testing::Test {
