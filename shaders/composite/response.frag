@@ -15,7 +15,8 @@ uniform sampler2D spill;         // plate-linear light to add, signed
 uniform ivec4 spill_region, spill_frame;
 uniform int spill_scale;
 uniform int spill_present;
-uniform float least_visible_code;  // spilled light that moves no code by this much is none
+uniform float least_visible_code;   // spilled light that moves no code by this much is none
+uniform float least_visible_light;  // less light than this moves none by that much
 
 layout(location = 0) out vec4 composited_code;    // a = 1 where the pixel was touched
 #ifdef WRITE_LAYERS
@@ -37,13 +38,20 @@ void main() {
     if (spill_present != 0) {
         vec2 position = (vec2(target_texel()) + 0.5) / float(spill_scale) - 0.5;
         vec3 spilled = linear_in_frame(spill, spill_region, spill_frame, position).rgb;
-        lit = any(notEqual(spilled, vec3(0.0)));
+        lit = any(notEqual(spilled, vec3(0.0))) && (touched || any(greaterThanEqual(abs(spilled), vec3(least_visible_light))));
         if (lit) linear = max(linear + spilled, vec3(0.0));
+    }
+    if (!touched && !lit) {
+        composited_code = vec4(code, 0.0);
+#ifdef WRITE_LAYERS
+        composited_linear = after;
+#endif
+        return;
     }
     vec3 shown = code_from_linear(toned(linear));
     // Codes beyond the response's ends (footage of limited range has them) are as bright as the ends.
     vec3 moved = abs(shown - clamp(code, 0.0, 1.0));
-    touched = touched || (lit && any(greaterThanEqual(moved, vec3(least_visible_code))));
+    touched = touched || any(greaterThanEqual(moved, vec3(least_visible_code)));
     composited_code = touched ? vec4(shown, 1.0) : vec4(code, 0.0);
 #ifdef WRITE_LAYERS
     composited_linear = vec4(touched ? linear : after.rgb, after.a);

@@ -196,6 +196,10 @@ void FramePasses::composite_code(CompositedFrame& result) {
     take_code(result, read_runs(graph.texture(picture.code), region, runs, 4), region);
 }
 
+double FramePasses::least_visible_light(const CompositedFrame& frame) const {
+    return resources_.composite.least_visible_light(frame.plate.format().bit_depth);
+}
+
 void FramePasses::composite_light(CompositedFrame& result, bool layers) {
     RenderGraph& graph = resources_.graph;
     std::vector<Region> runs = plan_.reach.runs;
@@ -222,6 +226,7 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
                                                   .spill = spill,
                                                   .white_light = plan_.optics.white_light,
                                                   .least_visible_code = half_code(result.plate.format()),
+                                                  .least_visible_light = least_visible_light(result),
                                                   .layers = layers});
     graph.output(shown.code);
     GraphTexture tiles;
@@ -262,7 +267,7 @@ void FramePasses::composite_surroundings(CompositedFrame& result, GraphTexture s
     RenderGraph& graph = resources_.graph;
     const Region tile_region = graph.shape(tiles).region;
     const ImageF most = read_runs(graph.texture(tiles), tile_region, {tile_region}, 1);
-    const double least_light = resources_.composite.least_visible_light(result.plate.format().bit_depth);
+    const double least_light = least_visible_light(result);
     const Reach around = tiles_of(resources_.camera, [&](int column, int row) {
         if (!tile_region.contains(column, row) || plan_.reach.has_tile(column, row)) return false;
         return !graph.leaves_out() || most.at(column - tile_region.x, row - tile_region.y) >= least_light;
@@ -277,7 +282,8 @@ void FramePasses::composite_surroundings(CompositedFrame& result, GraphTexture s
                                                   .region = around.bounds,
                                                   .runs = around.runs,
                                                   .spill = spill,
-                                                  .least_visible_code = half_code(result.plate.format())});
+                                                  .least_visible_code = half_code(result.plate.format()),
+                                                  .least_visible_light = least_light});
     graph.output(shown.code);
     graph.run(resources_.timed);
     widen(result, result.reach.united(around.bounds));

@@ -58,6 +58,7 @@ private:
     void composite_light(CompositedFrame& result, bool layers);
     /// Around what objects touch: where the spilled light can be seen.
     void composite_surroundings(CompositedFrame& result, GraphTexture spill, GraphTexture tiles);
+    double least_visible_light(const CompositedFrame& frame) const;
     CompositeInput composite_input(const ImageF& plate_code, const Region& region,
                                    const std::vector<Region>& runs) const;
 

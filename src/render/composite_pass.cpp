@@ -225,6 +225,7 @@ ResponsePicture CompositePass::add_response(RenderGraph& graph, const ResponseIn
         run.bind(program, "spill", 4, input.spill);
         program.set("spill_present", static_cast<bool>(input.spill));
         program.set("least_visible_code", input.least_visible_code);
+        program.set("least_visible_light", input.least_visible_light);
         program.set("white_light", input.white_light);
         draw_runs(run, program, input.region, input.runs);
     };

@@ -65,10 +65,11 @@ struct ResponseInput {
     const ImageF* plate_code = nullptr;  // the same to be uploaded; read by run()
     Region region;
     std::vector<Region> runs;
-    FrameLight light = {};          // empty: the plate alone, around what objects touch
-    GraphTexture spill;             // plate-linear light to add; empty: none
-    double white_light = 0;         // as in FrameOptics
-    double least_visible_code = 0;  // spilled light that moves no code by more leaves the pixel the plate's
+    FrameLight light = {};           // empty: the plate alone, around what objects touch
+    GraphTexture spill;              // plate-linear light to add; empty: none
+    double white_light = 0;          // as in FrameOptics
+    double least_visible_code = 0;   // spilled light that moves no code by more leaves the pixel the plate's
+    double least_visible_light = 0;  // less light than this cannot: CompositePass::least_visible_light()
     bool layers = false;
 };
 
