@@ -11,6 +11,7 @@
 
 #include "commands/command.h"
 #include "commands/result.h"
+#include "compositor/quality.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 
@@ -81,10 +82,7 @@ void add_preview_command(CLI::App& app, CommandContext& context) {
         ->type_name("FRAME");
     command->add_option("--level", arguments->options.level, "Quality, instead of the scene's")
         ->transform(
-            CLI::CheckedTransformer(std::map<std::string, QualityLevel>{{"draft", QualityLevel::draft},
-                                                                        {"preview", QualityLevel::preview},
-                                                                        {"final", QualityLevel::final_},
-                                                                        {"reference", QualityLevel::reference}}));
+            CLI::CheckedTransformer(std::map<std::string, QualityLevel>(quality_levels.begin(), quality_levels.end())));
     command->add_option("--size", arguments->size, "Of the window; the footage's, fitted to the screen, unless given")
         ->check([](const std::string& text) { return parse_size(text) ? "" : text + " is no size such as 1280x720"; })
         ->type_name("WxH");

@@ -12,6 +12,7 @@
 #include "compositor/compositor.h"
 #include "compositor/exposure_meter.h"
 #include "compositor/frame_output.h"
+#include "compositor/quality.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/progress.h"
@@ -234,10 +235,7 @@ void add_render_command(CLI::App& app, CommandContext& context) {
         ->check(CLI::NonNegativeNumber);
     CLI::Option* level = command->add_option("--level", arguments->level, "Quality, instead of the scene's")
                              ->transform(CLI::CheckedTransformer(
-                                 std::map<std::string, QualityLevel>{{"draft", QualityLevel::draft},
-                                                                     {"preview", QualityLevel::preview},
-                                                                     {"final", QualityLevel::final_},
-                                                                     {"reference", QualityLevel::reference}}));
+                                 std::map<std::string, QualityLevel>(quality_levels.begin(), quality_levels.end())));
     command
         ->add_option("--budget-ms", arguments->budget_ms,
                      "Milliseconds a frame may take, instead of a level (after `report --calibrate-machine`)")

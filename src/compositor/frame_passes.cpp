@@ -150,10 +150,26 @@ GraphTexture FramePasses::add_background() {
                                        .gain = plan_.optics.gain});
 }
 
-void FramePasses::composite(CompositedFrame& result, const CompositorOptions& options) {
+void FramePasses::begin(bool layers) {
     resources_.graph.begin_frame(resources_.camera.width, resources_.camera.height);
-    layer_drawn_ = add_surface(options.layers);
+    layer_drawn_ = add_surface(layers);
     background_ = add_background();
+}
+
+ImageF FramePasses::decoded_plate(const PlateFrame& plate, const Region& region,
+                                  const std::vector<Region>& runs) const {
+    return background_ ? ImageF() : code_of_runs(plate, region, runs);
+}
+
+void FramePasses::take_picture(CompositedFrame& result, GraphTexture code, const std::vector<Region>& runs) const {
+    const Region& region = result.reach;
+    result.code = ImageF(region.width, region.height, 3);
+    result.touched = Image8(region.width, region.height, 1);
+    take_code(result, read_runs(resources_.graph.texture(code), region, runs, 4), region);
+}
+
+void FramePasses::composite(CompositedFrame& result, const CompositorOptions& options) {
+    begin(options.layers);
     result.reach = plan_.reach.bounds;
     if (options.layers || resources_.effects.any()) {
         composite_light(result, options.layers);
@@ -166,11 +182,9 @@ void FramePasses::composite(CompositedFrame& result, const CompositorOptions& op
 ImageF FramePasses::meter_map(const PlateFrame& plate) {
     RenderGraph& graph = resources_.graph;
     const Region& region = plan_.reach.bounds;
-    graph.begin_frame(resources_.camera.width, resources_.camera.height);
-    layer_drawn_ = add_surface(false);
-    background_ = add_background();
-    const ImageF plate_code = background_ ? ImageF() : code_of_runs(plate, region, plan_.reach.runs);
-    CompositeInput input = composite_input(plate_code, region, plan_.reach.runs);
+    begin(false);
+    const ImageF code = decoded_plate(plate, region, plan_.reach.runs);
+    CompositeInput input = composite_input(code, region, plan_.reach.runs);
     input.light = true;
     const CompositePicture picture = resources_.composite.add(graph, input);
     const int block_px = meter_block_px(resources_.camera.width, resources_.camera.height);
@@ -185,15 +199,13 @@ void FramePasses::composite_code(CompositedFrame& result) {
     RenderGraph& graph = resources_.graph;
     const Region& region = result.reach;
     const std::vector<Region>& runs = plan_.reach.runs;
-    const ImageF plate_code = background_ ? ImageF() : code_of_runs(result.plate, region, runs);
-    CompositeInput input = composite_input(plate_code, region, runs);
+    const ImageF code = decoded_plate(result.plate, region, runs);
+    CompositeInput input = composite_input(code, region, runs);
     input.least_visible_loss = half_code(result.plate.format());
     const CompositePicture picture = resources_.composite.add(graph, input);
     graph.output(picture.code);
     graph.run(resources_.timed);
-    result.code = ImageF(region.width, region.height, 3);
-    result.touched = Image8(region.width, region.height, 1);
-    take_code(result, read_runs(graph.texture(picture.code), region, runs, 4), region);
+    take_picture(result, picture.code, runs);
 }
 
 double FramePasses::least_visible_light(const CompositedFrame& frame) const {
@@ -209,8 +221,8 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
         runs = {result.reach};
     }
     const Region region = result.reach;
-    const ImageF plate_code = background_ ? ImageF() : code_of_runs(result.plate, region, runs);
-    CompositeInput input = composite_input(plate_code, region, runs);
+    const ImageF code = decoded_plate(result.plate, region, runs);
+    CompositeInput input = composite_input(code, region, runs);
     input.least_visible_loss = half_code(result.plate.format());
     input.light = true;
     input.layers = layers;
@@ -242,9 +254,7 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
     if (layers) graph.output(background_);
     graph.run(resources_.timed);
 
-    result.code = ImageF(region.width, region.height, 3);
-    result.touched = Image8(region.width, region.height, 1);
-    take_code(result, read_runs(graph.texture(shown.code), region, runs, 4), region);
+    take_picture(result, shown.code, runs);
     if (tiles) composite_surroundings(result, spill, tiles);
     if (!layers) return;
     const auto read = [&](GraphTexture texture, int channels) {
@@ -276,9 +286,9 @@ void FramePasses::composite_surroundings(CompositedFrame& result, GraphTexture s
         graph.leave_out("response around", "no visible light spills beyond what objects touch");
         return;
     }
-    const ImageF plate_code = code_of_runs(result.plate, around.bounds, around.runs);
+    const ImageF code = decoded_plate(result.plate, around.bounds, around.runs);
     const ResponsePicture shown =
-        resources_.composite.add_response(graph, {.plate_code = &plate_code,
+        resources_.composite.add_response(graph, {.plate_code = &code,
                                                   .region = around.bounds,
                                                   .runs = around.runs,
                                                   .spill = spill,

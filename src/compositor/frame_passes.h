@@ -50,7 +50,13 @@ public:
     ImageF meter_map(const PlateFrame& plate);
 
 private:
+    /// Begins the frame in the graph, with the passes that draw objects and background.
+    void begin(bool layers);
     GraphTexture add_surface(bool layers);
+    /// Decoded in the runs alone; empty without footage.
+    ImageF decoded_plate(const PlateFrame& plate, const Region& region, const std::vector<Region>& runs) const;
+    /// Reads code values back as the result's picture.
+    void take_picture(CompositedFrame& result, GraphTexture code, const std::vector<Region>& runs) const;
     GraphTexture add_background();
     /// Without effects or layers: code values in one pass.
     void composite_code(CompositedFrame& result);

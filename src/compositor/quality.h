@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string_view>
 #include <utility>
 
@@ -49,5 +50,10 @@ inline constexpr std::array<std::pair<std::string_view, QualityLevel>, 4> qualit
      {"preview", QualityLevel::preview},
      {"final", QualityLevel::final_},
      {"reference", QualityLevel::reference}}};
+
+constexpr std::string_view name_of(QualityLevel level) {
+    return quality_levels[static_cast<std::size_t>(level)].first;
+}
+static_assert(name_of(QualityLevel::reference) == "reference" && name_of(QualityLevel::draft) == "draft");
 
 }  // namespace matchlight

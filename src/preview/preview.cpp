@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "compositor/quality.h"
 #include "core/error.h"
 #include "core/stop.h"
 #include "core/version.h"
@@ -24,20 +25,6 @@ using Clock = PlaybackClock::Clock;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-const char* name_of(QualityLevel level) {
-    switch (level) {
-        case QualityLevel::draft:
-            return "draft";
-        case QualityLevel::preview:
-            return "preview";
-        case QualityLevel::reference:
-            return "reference";
-        case QualityLevel::final_:
-            break;
-    }
-    return "final";
 }
 
 QualityLevel next_level(QualityLevel level) {

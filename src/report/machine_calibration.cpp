@@ -157,13 +157,6 @@ LevelCost line_through(const std::string& level, const std::array<double, 2>& me
 constexpr std::array<double, 2> shares{0.25, 0.9};
 constexpr std::array surface_levels{QualityLevel::draft, QualityLevel::final_, QualityLevel::reference};
 
-std::string name_of(QualityLevel level) {
-    for (const auto& [name, value] : quality_levels) {
-        if (value == level) return std::string(name);
-    }
-    return {};
-}
-
 /// The least time of each: what else the machine does meanwhile is no property of a level.
 std::vector<double> least_ms(const std::vector<std::function<void()>>& works, const TimingOptions& timing) {
     std::vector<double> ms;
@@ -258,7 +251,7 @@ LevelTable calibrate_machine(GlContext& context, const TimingOptions& timing, co
     for (std::size_t i = 0; i < surface_levels.size(); ++i) {
         std::array<double, 2> of_level{};
         for (std::size_t k = 0; k < 2; ++k) of_level[k] = ms[2 * i + k] - frame.ms(extents[k].reach_megapixels);
-        LevelCost cost = line_through(name_of(surface_levels[i]),
+        LevelCost cost = line_through(std::string(name_of(surface_levels[i])),
                                       {extents[0].object_megapixels, extents[1].object_megapixels}, of_level);
         cost.flip = flip_between(pictures.back(), pictures[i]);
         table.effects[surface_part].push_back(cost);

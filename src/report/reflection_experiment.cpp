@@ -10,34 +10,12 @@
 #include "render/environment.h"
 #include "report/experiments.h"
 #include "report/prefilter_reference.h"
+#include "report/reflected_picture.h"
 
 namespace matchlight {
 namespace {
 
 /// Draws what is reflected in every direction, and reads it back.
-struct ReflectedPicture {
-    Texture2D texture;
-    Framebuffer target;
-    FullScreenTriangle triangle;
-
-    explicit ReflectedPicture(int width)
-        : texture({.format = GL_RGBA32F, .width = width, .height = width / 2}), target({texture}) {}
-
-    void draw(ShaderLibrary& shaders, const Environment& environment, double roughness, bool sphere_map) const {
-        Program& program = shaders.full_screen("report/reflected_light.frag");
-        target.bind();
-        glDisable(GL_DEPTH_TEST);
-        glDisable(GL_BLEND);
-        program.use();
-        environment.bind(program);
-        program.set("picture_size",
-                    Eigen::Vector2f(static_cast<float>(texture.width()), static_cast<float>(texture.height())));
-        program.set("roughness", roughness);
-        program.set("from_sphere_map", sphere_map);
-        triangle.draw();
-    }
-};
-
 struct ReflectionChoice {
     std::string label;
     std::vector<Knob> knobs;
@@ -56,7 +34,7 @@ Candidate candidate_of(const SceneStage& stage, const ReflectionChoice& choice, 
     };
     candidate.picture = [work = candidate.work, picture] {
         work();
-        return picture->target.read<float>(picture->target.bounds(), 3);
+        return picture->read();
     };
     return candidate;
 }

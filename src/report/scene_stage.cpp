@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "media/frame_source.h"
 #include "scene/footage_options.h"
+#include "tracking/plate_light.h"
 #include "tracking/scene_solve.h"
 
 namespace matchlight {
@@ -44,12 +45,6 @@ Probe probe_of(const Scene& scene, Warnings& warnings) {
                      "give [light] a probe");
 }
 
-Response response_of(const PlateFormat& format, const Solve& solve) {
-    if (format.transfer == Transfer::pq) return Response::pq();
-    if (format.transfer == Transfer::hlg) return Response::hlg();
-    return solve.response;
-}
-
 }  // namespace
 
 SceneStage::SceneStage(GlContext& gl_context, const Scene& the_scene, std::optional<std::int64_t> frame,
@@ -60,7 +55,7 @@ SceneStage::SceneStage(GlContext& gl_context, const Scene& the_scene, std::optio
       solve(solve_of_scene(scene, warnings)),
       plate(plate_of(scene, frame_to_measure(solve, frame), warnings)),
       probe(probe_of(scene, warnings)),
-      response(response_of(plate->format(), solve)) {
+      response(effective_response(solve.response, plate->format().transfer)) {
     meter_clip(solve, scene, context, {.quiet = true}, warnings);
 }
 

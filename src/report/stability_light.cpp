@@ -15,6 +15,7 @@
 #include "render/effects/streaks.h"
 #include "render/environment.h"
 #include "report/effect_stage.h"
+#include "report/reflected_picture.h"
 #include "report/scratch_probe.h"
 #include "report/stability_cases.h"
 
@@ -30,20 +31,9 @@ constexpr float infinite = std::numeric_limits<float>::infinity();
 /// Reflected light in every direction, RGB over a lat-long picture.
 ImageF reflected(const Environment& environment, double roughness, bool sphere_map) {
     ShaderLibrary shaders;
-    const Texture2D texture({.format = GL_RGBA32F, .width = 128, .height = 64});
-    const Framebuffer target({texture});
-    const FullScreenTriangle triangle;
-    Program& program = shaders.full_screen("report/reflected_light.frag");
-    target.bind();
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_BLEND);
-    program.use();
-    environment.bind(program);
-    program.set("picture_size", Eigen::Vector2f(128, 64));
-    program.set("roughness", roughness);
-    program.set("from_sphere_map", sphere_map);
-    triangle.draw();
-    return target.read<float>(target.bounds(), 3);
+    const ReflectedPicture picture(128);
+    picture.draw(shaders, environment, roughness, sphere_map);
+    return picture.read();
 }
 
 Environment environment_of(const Probe& probe) {

@@ -205,12 +205,7 @@ TEST_F(BloomTest, ASmallSunDoesNotFlickerAsItMoves) {
 TEST_F(BloomTest, ALampThatEntersDoesNotPop) {
     double last = 0, largest_step = 0, whole = 0;
     for (int step = 0; step <= 80; ++step) {
-        const double left = -10 + step * 0.25;  // of a lamp 8 pixels wide
-        LightOnCpu light(320, 180);
-        for (int x = 0; x < 20; ++x) {
-            const double covered = std::clamp(left + 8 - x, 0.0, 1.0) - std::clamp(left - x, 0.0, 1.0);
-            for (int y = 80; y < 88; ++y) light.set(x, y, static_cast<float>(6 * covered));
-        }
+        const LightOnCpu light = entering_lamp(-10 + step * 0.25, 6);
         const EffectResult result = run(light, {});
         const double sum = result.met ? result.sum() : 0;
         // Where the lamp's edge cuts a column of its eight, the two parts each lose to the threshold: 1 of 40 in all.

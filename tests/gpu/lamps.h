@@ -1,6 +1,7 @@
 // A frame with lamps of several sizes and colours: one at the edge, one hidden, on a grey ground.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -29,6 +30,16 @@ inline LightOnCpu lamps(int width, int height) {
     disc(0.62, 0.8, 0.002, {300, 30, 20}, false);
     disc(1.0, 0.55, 0.03, {30, 30, 30}, false);
     disc(0.5, 0.62, 0.02, {10, 10, 10}, true);
+    return light;
+}
+
+/// A lamp 8 pixels square that comes in over the frame's left edge; its own left edge is at `left`.
+inline LightOnCpu entering_lamp(double left, double value) {
+    LightOnCpu light(320, 180);
+    for (int x = 0; x < 20; ++x) {
+        const double covered = std::clamp(left + 8 - x, 0.0, 1.0) - std::clamp(left - x, 0.0, 1.0);
+        for (int y = 80; y < 88; ++y) light.set(x, y, static_cast<float>(value * covered));
+    }
     return light;
 }
 
