@@ -3,8 +3,10 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -28,6 +30,7 @@ struct TrackCall {
     fs::path scene;
     std::optional<fs::path> output;
     FrameRange frames;
+    TrackLevel level = TrackLevel::final_;
     bool overwrite = false, strict = false;
 };
 
@@ -49,6 +52,7 @@ void run_track(const TrackCall& call, CommandContext& context) {
     const OutputLock lock(output);
 
     TrackOptions options;
+    options.level = call.level;
     options.first_frame = call.frames.first;
     options.last_frame = call.frames.last;
     options.strict = call.strict;
@@ -86,6 +90,12 @@ void add_track_command(CLI::App& app, CommandContext& context) {
     command->add_option("-o,--output", call->output,
                         "Solve file; unless given, the scene's own, which is replaced without asking");
     add_frames_option(*command, call->frames);
+    const std::map<std::string, TrackLevel> levels{
+        {"fast", TrackLevel::fast}, {"normal", TrackLevel::normal}, {"final", TrackLevel::final_}};
+    command
+        ->add_option("--level", call->level,
+                     "How much is done for the pose: fast keeps up with footage, final is the best (default)")
+        ->transform(CLI::CheckedTransformer(levels).description("{fast,normal,final}"));
     command->add_flag("--overwrite", call->overwrite, "Replace the file named by --output");
     command->add_flag("--strict", call->strict, "Damaged or truncated footage is an error");
     command->callback([call, &context] { run_track(*call, context); });

@@ -1,4 +1,4 @@
-// Reads and writes *.solve.json, version 1.
+// Reads *.solve.json, version 1.
 #include "tracking/solve_file.h"
 
 #include <algorithm>
@@ -17,8 +17,6 @@ namespace matchlight {
 namespace {
 
 using nlohmann::json;
-
-constexpr int solve_version = 1;
 
 /// Where in the file a value stands, so that an error can name it.
 struct Place {
@@ -60,6 +58,11 @@ std::int64_t read_integer(const json& value, const std::string& key, const Place
 std::string read_string(const json& value, const std::string& key, const Place& place) {
     if (!value.is_string()) place.fail("\"" + key + "\" is not a text");
     return value.get<std::string>();
+}
+
+bool read_flag(const json& value, const std::string& key, const Place& place) {
+    if (!value.is_boolean()) place.fail("\"" + key + "\" is neither true nor false");
+    return value.get<bool>();
 }
 
 std::optional<double> find_number(const json& object, const char* key, const Place& place) {
@@ -131,6 +134,22 @@ Camera read_lens(const json& lens, const json& footage, const Place& place) {
     return camera;
 }
 
+std::vector<LensParameter> read_lens_parameters(const json& lens, const Place& place) {
+    std::vector<LensParameter> parameters;
+    const json* list = find_key(lens, "parameters");
+    if (list == nullptr) return parameters;
+    if (!list->is_array()) place.fail("\"parameters\" of the lens is not a list");
+    for (const json& value : *list) {
+        if (!value.is_object()) place.fail("a parameter of the lens is not an object");
+        LensParameter& parameter = parameters.emplace_back();
+        parameter.name = read_string(need_key(value, "name", place), "name", place);
+        parameter.sigma = read_number(need_key(value, "sigma", place), "sigma", place);
+        if (const json* refined = find_key(value, "refined")) parameter.refined = read_flag(*refined, "refined", place);
+        if (parameter.sigma < 0) place.fail("\"sigma\" of a lens parameter is negative");
+    }
+    return parameters;
+}
+
 void read_photometry(Solve& solve, const json& photometry, const Place& place) {
     if (const json* response = find_key(photometry, "response")) {
         solve.response = Response::from_json(*response, place.file);
@@ -143,6 +162,12 @@ void read_photometry(Solve& solve, const json& photometry, const Place& place) {
         solve.noise = {read_number(need_key(*noise, "read", place), "read", place),
                        read_number(need_key(*noise, "shot", place), "shot", place)};
         if ((*solve.noise)[0] < 0 || (*solve.noise)[1] < 0) place.fail("\"noise\" is negative");
+    }
+    solve.softness_px = find_number(photometry, "softness_px", place);
+    if (solve.softness_px && *solve.softness_px < 0) place.fail("\"softness_px\" is negative");
+    if (const json* gradient = find_key(photometry, "light_gradient_ev_per_m")) {
+        const auto numbers = read_numbers<3>(*gradient, "light_gradient_ev_per_m", place);
+        solve.light_gradient_ev_per_m = Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
     }
 }
 
@@ -169,6 +194,7 @@ SolvedFrame read_frame(const json& value, Place place) {
     if (const json* covariance = find_key(value, "covariance")) {
         frame.covariance = read_matrix<6, 6>(*covariance, "covariance", place);
     }
+    if (const json* bridged = find_key(value, "bridged")) frame.bridged = read_flag(*bridged, "bridged", place);
     if (const json* tags = find_key(value, "tags")) {
         if (!tags->is_array()) place.fail("\"tags\" is not a list");
         for (const json& id : *tags) frame.tags.push_back(static_cast<int>(read_integer(id, "tags", place)));
@@ -190,6 +216,7 @@ SolvedFrame read_frame(const json& value, Place place) {
         frame.pose_confidence = find_number(*confidence, "pose", place);
         frame.exposure_confidence = find_number(*confidence, "exposure", place);
         frame.focus_confidence = find_number(*confidence, "focus", place);
+        frame.shutter_confidence = find_number(*confidence, "shutter", place);
     }
     return frame;
 }
@@ -197,9 +224,9 @@ SolvedFrame read_frame(const json& value, Place place) {
 Solve read_solve(const json& file, const Place& place) {
     if (!file.is_object() || !file.contains("matchlight_solve")) place.fail("this is no solve file");
     const json& version = file["matchlight_solve"];
-    if (!version.is_number_integer() || version.get<std::int64_t>() != solve_version) {
+    if (!version.is_number_integer() || version.get<std::int64_t>() != solve_file_version) {
         place.fail("the solve file has version " + printable(version.dump()) + ", not " +
-                   std::to_string(solve_version));
+                   std::to_string(solve_file_version));
     }
     for (const char* key : {"footage", "lens"}) {
         if (!need_key(file, key, place).is_object()) place.fail(std::string("\"") + key + "\" is not an object");
@@ -208,6 +235,11 @@ Solve read_solve(const json& file, const Place& place) {
     const json& footage = file["footage"];
     if (const json* name = find_key(footage, "file")) solve.footage_file = read_string(*name, "file", place);
     solve.camera = read_lens(file["lens"], footage, place);
+    solve.lens_parameters = read_lens_parameters(file["lens"], place);
+    if (const json* shutter = find_key(file, "shutter")) {
+        if (!shutter->is_object()) place.fail("\"shutter\" is not an object");
+        solve.readout_s = find_number(*shutter, "readout_s", place);
+    }
     if (const json* rig = find_key(file, "rig")) {
         if (!rig->is_array()) place.fail("\"rig\" is not a list");
         for (const json& tag : *rig) solve.rig.push_back(read_tag(tag, place));
@@ -234,88 +266,6 @@ Solve read_solve(const json& file, const Place& place) {
         solve.provenance = provenance->is_string() ? provenance->get<std::string>() : provenance->dump();
     }
     return solve;
-}
-
-template <class Matrix>
-json matrix_to_json(const Matrix& matrix) {
-    json rows = json::array();
-    for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
-        json row = json::array();
-        for (Eigen::Index c = 0; c < matrix.cols(); ++c) row.push_back(matrix(r, c));
-        rows.push_back(std::move(row));
-    }
-    return rows;
-}
-
-template <class Value>
-void put(json& object, const char* key, const std::optional<Value>& value) {
-    if (value) object[key] = *value;
-}
-
-json frame_to_json(const SolvedFrame& frame) {
-    json value{{"frame", frame.frame}, {"time_s", frame.time_s}};
-    value["camera_from_world"] =
-        frame.camera_from_world ? matrix_to_json(frame.camera_from_world->matrix()) : json(nullptr);
-    if (frame.covariance) value["covariance"] = matrix_to_json(*frame.covariance);
-    put(value, "reprojection_px", frame.reprojection_px);
-    if (!frame.tags.empty()) value["tags"] = frame.tags;
-    put(value, "exposure_ev", frame.exposure_ev);
-    put(value, "white_balance", frame.white_balance);
-    put(value, "focus_distance_m", frame.focus_distance_m);
-    put(value, "coc_scale_px_m", frame.coc_scale_px_m);
-    put(value, "shutter_fraction", frame.shutter_fraction);
-    json confidence = json::object();
-    put(confidence, "pose", frame.pose_confidence);
-    put(confidence, "exposure", frame.exposure_confidence);
-    put(confidence, "focus", frame.focus_confidence);
-    if (!confidence.empty()) value["confidence"] = std::move(confidence);
-    return value;
-}
-
-json solve_to_json(const Solve& solve) {
-    json file{{"matchlight_solve", solve_version}};
-    file["footage"] = {{"file", solve.footage_file},
-                       {"width", solve.camera.width},
-                       {"height", solve.camera.height},
-                       {"frames", solve.frame_count}};
-    file["lens"] = {{"camera_matrix", matrix_to_json(solve.camera.matrix())},
-                    {"distortion", solve.camera.distortion},
-                    {"model", solve.camera.lens == LensModel::fisheye ? "fisheye" : "radtan"}};
-    file["rig"] = json::array();
-    for (const SolvedTag& tag : solve.rig) {
-        file["rig"].push_back(
-            {{"id", tag.id}, {"size_m", tag.size_m}, {"world_from_tag", matrix_to_json(tag.world_from_tag.matrix())}});
-    }
-    json& photometry = file["photometry"];
-    photometry["response"] = solve.response.to_json();
-    put(photometry, "vignette", solve.vignette);
-    if (solve.noise) photometry["noise"] = {{"read", (*solve.noise)[0]}, {"shot", (*solve.noise)[1]}};
-    if (!solve.provenance.empty()) file["provenance"] = solve.provenance;
-    file["frames"] = json::array();
-    for (const SolvedFrame& frame : solve.frames) file["frames"].push_back(frame_to_json(frame));
-    return file;
-}
-
-/// JSON has no infinities: a number that is not finite would be written as null and read back as "not known".
-void check_finite(const json& value, const std::string& key, const Place& place) {
-    if (value.is_number_float() && !std::isfinite(value.get<double>())) place.fail("\"" + key + "\" is not finite");
-    if (!value.is_structured()) return;
-    for (const auto& item : value.items()) check_finite(item.value(), value.is_object() ? item.key() : key, place);
-}
-
-/// One frame a line: readable, and small for clips of thousands of frames.
-std::string solve_text(const json& file) {
-    std::string text = "{";
-    const std::initializer_list<const char*> order{"matchlight_solve", "footage",   "lens", "rig",
-                                                   "photometry",       "provenance"};
-    for (const char* key : order) {
-        if (file.contains(key))
-            text += (text.size() > 1 ? ",\n \"" : "\"") + std::string(key) + "\": " + file[key].dump();
-    }
-    text += ",\n \"frames\": [";
-    for (std::size_t i = 0; i < file["frames"].size(); ++i)
-        text += (i > 0 ? ",\n   " : "\n   ") + file["frames"][i].dump();
-    return text + "\n ]}\n";
 }
 
 }  // namespace
@@ -353,13 +303,6 @@ Solve load_solve(const std::filesystem::path& path) {
     } catch (const json::exception& error) {
         place.fail(std::string("this is no solve file: ") + error.what());
     }
-}
-
-void save_solve(const std::filesystem::path& path, const Solve& solve) {
-    const json file = solve_to_json(solve);
-    const Place place{path, std::nullopt};
-    for (const auto& item : file.items()) check_finite(item.value(), item.key(), place);
-    write_text_file(path, solve_text(file));
 }
 
 }  // namespace matchlight

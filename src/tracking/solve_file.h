@@ -17,10 +17,20 @@
 
 namespace matchlight {
 
+/// What "matchlight_solve" holds.
+inline constexpr int solve_file_version = 1;
+
 struct SolvedTag {
     int id = 0;
     double size_m = 0;
     RigidTransform world_from_tag = RigidTransform::Identity();
+};
+
+/// What the solve says of one parameter of the lens: "fx", "fy", "cx", "cy", or a coefficient, "k1", "k2", "p1", …
+struct LensParameter {
+    std::string name;
+    double sigma = 0;      // standard deviation, in the parameter's own unit
+    bool refined = false;  // by the clip; otherwise as it was calibrated
 };
 
 struct SolvedFrame {
@@ -29,6 +39,7 @@ struct SolvedFrame {
     std::optional<RigidTransform> camera_from_world;  // at mid-exposure; absent where there is no pose
     /// Rotation vector (rad) then translation (m), of a perturbation on the world side.
     std::optional<Eigen::Matrix<double, 6, 6>> covariance;
+    bool bridged = false;                   // the pose rests on the path, not on tags of this frame
     std::optional<double> reprojection_px;  // RMS over the frame's corners
     std::vector<int> tags;                  // ids seen
     std::optional<double> exposure_ev;      // plate light = probe light · 2^ev · white_balance · vignette
@@ -39,6 +50,7 @@ struct SolvedFrame {
     std::optional<double> pose_confidence;  // 0..1
     std::optional<double> exposure_confidence;
     std::optional<double> focus_confidence;
+    std::optional<double> shutter_confidence;
     std::optional<FrameExposure>
         simulated;  // instead of the footage's own; from the meter pass, not in the solve's file
 };
@@ -47,12 +59,16 @@ struct Solve {
     std::string footage_file;  // as the scene names it
     std::int64_t frame_count = 0;
     Camera camera;
+    std::vector<LensParameter> lens_parameters;  // those whose uncertainty is known
+    std::optional<double> readout_s;             // rolling shutter: from the first row to the last; absent: not known
     std::vector<SolvedTag> rig;
     Response response = Response::srgb();
     std::optional<std::array<double, 2>> vignette;  // gain = 1 + v1 r² + v2 r⁴, r = 1 at the corner
     std::optional<std::array<double, 2>> noise;     // read, shot: variance = read² + shot · signal, plate-linear
-    std::vector<SolvedFrame> frames;                // in ascending order
-    std::string provenance;                         // version and the effective settings that made it
+    std::optional<double> softness_px;              // standard deviation of the blur that the codec adds
+    std::optional<Eigen::Vector3d> light_gradient_ev_per_m;  // how the light on the rig changes over the world
+    std::vector<SolvedFrame> frames;                         // in ascending order
+    std::string provenance;                                  // version and the effective settings that made it
 
     /// The frame's entry, or nullptr.
     const SolvedFrame* find(std::int64_t frame) const;

@@ -74,6 +74,20 @@ void take_corners(const TagFitState& state, const TagImageModel& model, const Ta
     observation.covariance = corner_by_parameter * covariance * corner_by_parameter.transpose();
 }
 
+/// The blur in the plate from its extents across the sheet's two sets of edges: gᵢᵀ Σ gⱼ is known for the unit
+/// gradients g of the grid's two coordinates (normalised coordinates and pixels have the same axes).
+Eigen::Matrix2d blur_in_plate(const TagImageModel& model, const TagParameters::Vector& p) {
+    const TagImageModel::Place place = model.place(p, 0, 0);
+    Eigen::Matrix2d gradients;
+    gradients.row(0) = Eigen::RowVector2d(p[0] - place.a * p[6], p[1] - place.a * p[7]).normalized();
+    gradients.row(1) = Eigen::RowVector2d(p[3] - place.b * p[6], p[4] - place.b * p[7]).normalized();
+    Eigen::Matrix2d across;
+    across << std::exp(2 * p[TagParameters::blur]), p[TagParameters::covariance], p[TagParameters::covariance],
+        std::exp(2 * p[TagParameters::blur + 1]);
+    const Eigen::Matrix2d inverse = gradients.inverse();
+    return inverse * across * inverse.transpose();
+}
+
 double mean_side(const TagCorners& corners) {
     double sum = 0;
     for (int i = 0; i < 4; ++i) sum += (corners.col(i) - corners.col((i + 1) % 4)).norm();
@@ -184,6 +198,8 @@ std::optional<TagImageFit> fit_tag(const ImageF& light, double clipped_light, co
     observation.contrast = contrast_of(state->parameters);
     observation.blur_px = {std::exp(state->parameters[TagParameters::blur]),
                            std::exp(state->parameters[TagParameters::blur + 1])};
+
+    observation.blur_covariance_px2 = blur_in_plate(model, state->parameters);
 
     TagObservation refined = observation;
     take_corners(*state, model, tag, refined);

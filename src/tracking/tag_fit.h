@@ -24,8 +24,10 @@ struct TagObservation {
     TagCorners corners_px;            // in the plate
     double side_px = 0;               // mean length of the sides, lens undone
     std::array<double, 2> blur_px{};  // standard deviation across vertical and horizontal edges of the sheet
-    double contrast = 0;              // light of paper minus ink
-    double correlation = 0;           // of the light with the fitted image, 0..1
+    /// The same blur in the plate: covariance (px²) along x and y, without the pixel's own box.
+    Eigen::Matrix2d blur_covariance_px2 = Eigen::Matrix2d::Zero();
+    double contrast = 0;     // light of paper minus ink
+    double correlation = 0;  // of the light with the fitted image, 0..1
     double decision_margin = 0;
     bool refined = false;  // by the fit; otherwise the library's corners
 };

@@ -11,7 +11,11 @@
 
 namespace matchlight {
 
+/// How much is done for the pose. `fast` keeps up with footage; `final_` is what a render deserves.
+enum class TrackLevel { fast, normal, final_ };
+
 struct TrackOptions {
+    TrackLevel level = TrackLevel::final_;
     std::int64_t first_frame = 0;
     std::optional<std::int64_t> last_frame;  // included
     bool strict = false;                     // damaged footage is an error

@@ -1,0 +1,14 @@
+// Exposure, white balance, response, vignetting and noise of a clip, from its tags as grey cards.
+#pragma once
+
+#include "tracking/clip_context.h"
+#include "tracking/clip_observations.h"
+#include "tracking/geometry_stage.h"
+
+namespace matchlight {
+
+/// Fills the photometry of `solve`, whose frames are those of the clip.
+void solve_photometry_stage(const ClipContext& context, const ClipObservations& clip, const GeometrySolution& geometry,
+                            Solve& solve, TrackSummary& summary);
+
+}  // namespace matchlight
