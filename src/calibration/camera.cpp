@@ -245,6 +245,12 @@ Camera camera_for_size(const Camera& camera, int width, int height, const std::f
     // Edges scale, not centres: the left edge of the picture is at −0.5.
     scaled.cx = (camera.cx + 0.5) * scale_x - 0.5;
     scaled.cy = (camera.cy + 0.5) * scale_y - 0.5;
+    if (scaled.sigmas) {
+        scaled.sigmas->fx *= scale_x;
+        scaled.sigmas->fy *= scale_y;
+        scaled.sigmas->cx *= scale_x;
+        scaled.sigmas->cy *= scale_y;
+    }
     return scaled;
 }
 

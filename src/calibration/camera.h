@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,13 @@ enum class LensModel { radtan, fisheye };
 /// Whether a lens model takes that many coefficients.
 bool valid_distortion_count(LensModel lens, std::size_t count);
 
+/// Standard deviations of a calibration's parameters: pixels, and the units of the coefficients. 0 where a parameter
+/// was given and not estimated.
+struct CameraSigmas {
+    double fx = 0, fy = 0, cx = 0, cy = 0;
+    std::vector<double> distortion;  // one for each of the camera's coefficients
+};
+
 /// A calibrated camera. `distortion` holds OpenCV's coefficients in OpenCV's order: for radtan k1 k2 p1 p2 [k3 [k4 k5
 /// k6 [s1 s2 s3 s4 [tx ty]]]] (0, 4, 5, 8, 12 or 14 of them), for fisheye k1..k4 (Kannala & Brandt 2006).
 struct Camera {
@@ -23,6 +31,7 @@ struct Camera {
     double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
     LensModel lens = LensModel::radtan;
     std::vector<double> distortion;
+    std::optional<CameraSigmas> sigmas = std::nullopt;  // where the calibration's file says them
 
     Eigen::Matrix3d matrix() const;
     bool has_distortion() const;
@@ -39,7 +48,8 @@ struct Camera {
 };
 
 /// Reads OpenCV YAML/XML/JSON (`image_width`, `image_height`, `camera_matrix`, `distortion_coefficients`, optional
-/// `distortion_model`/`camera_model` "fisheye"). Throws InputError: focal length zero, negative or NaN, sizes missing,
+/// `distortion_model`/`camera_model` "fisheye", optional `parameter_sigmas`: those of fx fy cx cy and of each
+/// coefficient). Throws InputError: focal length zero, negative or NaN, sizes missing,
 /// a matrix of another shape, non-finite coefficients.
 Camera load_camera(const std::filesystem::path& path);
 /// Writes the same YAML.

@@ -122,6 +122,20 @@ void read_distortion(Camera& camera, const cv::FileStorage& file, const std::fil
     }
 }
 
+void read_sigmas(Camera& camera, const cv::FileStorage& file, const std::filesystem::path& path) {
+    const cv::FileNode node = file["parameter_sigmas"];
+    if (node.empty()) return;
+    const std::vector<double> values = read_table(node, path, "parameter_sigmas").values;
+    constexpr std::size_t of_matrix = 4;
+    if (values.size() != of_matrix + camera.distortion.size()) {
+        fail(path, "parameter_sigmas does not hold one number for each of fx fy cx cy and distortion_coefficients");
+    }
+    for (const double value : values) {
+        if (value < 0) fail(path, "parameter_sigmas holds a negative number");
+    }
+    camera.sigmas = {values[0], values[1], values[2], values[3], {values.begin() + of_matrix, values.end()}};
+}
+
 std::string with_yaml_header(std::string text) {
     if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
     const std::size_t first = text.find_first_not_of(" \t\r\n");
@@ -146,6 +160,7 @@ Camera load_camera(const std::filesystem::path& path) {
         camera.lens = read_lens(file, path);
         read_matrix(camera, file, path);
         read_distortion(camera, file, path);
+        read_sigmas(camera, file, path);
         return camera;
     } catch (const cv::Exception& error) {
         fail(path, "this is no camera file (" + printable(error.err) + ")");
@@ -162,6 +177,11 @@ void save_camera(const std::filesystem::path& path, const Camera& camera) {
              << "fisheye";
     const cv::Mat column(camera.distortion, true);
     file << "distortion_coefficients" << (column.empty() ? column : column.reshape(1, 1));
+    if (camera.sigmas) {
+        std::vector<double> sigmas = {camera.sigmas->fx, camera.sigmas->fy, camera.sigmas->cx, camera.sigmas->cy};
+        sigmas.insert(sigmas.end(), camera.sigmas->distortion.begin(), camera.sigmas->distortion.end());
+        file << "parameter_sigmas" << cv::Mat(sigmas, true).reshape(1, 1);
+    }
     write_text_file(path, file.releaseAndGetString());
 }
 

@@ -105,6 +105,29 @@ TEST_F(CameraFile, WritesWhatItReads) {
     }
 }
 
+TEST_F(CameraFile, KeepsSigmas) {
+    Camera camera;
+    camera.width = 1920;
+    camera.height = 1080;
+    camera.fx = camera.fy = 1500;
+    camera.distortion = {0.1, -0.2, 0, 0, 0.05};
+    save_camera(path_, camera);
+    EXPECT_FALSE(load_camera(path_).sigmas.has_value());
+    camera.sigmas = {1.25, 1.5, 0.75, 1.0 / 3, {1e-3, 2e-3, 1e-4, 2e-4, 3e-2}};
+    save_camera(path_, camera);
+    const Camera again = load_camera(path_);
+    ASSERT_TRUE(again.sigmas.has_value());
+    EXPECT_EQ(again.sigmas->fx, 1.25);
+    EXPECT_EQ(again.sigmas->fy, 1.5);
+    EXPECT_EQ(again.sigmas->cx, 0.75);
+    EXPECT_EQ(again.sigmas->cy, 1.0 / 3);
+    EXPECT_EQ(again.sigmas->distortion, camera.sigmas->distortion);
+    // A proxy's pixels are larger, its coefficients the same.
+    const Camera half = camera_for_size(again, 960, 540, "clip.mp4");
+    EXPECT_EQ(half.sigmas->fx, 0.625);
+    EXPECT_EQ(half.sigmas->distortion, camera.sigmas->distortion);
+}
+
 TEST(ReadyCameras, AllLoadAndReachTheirWholePicture) {
     int cameras = 0;
     for (const auto& entry :
@@ -138,6 +161,9 @@ TEST_F(CameraFile, NamesWhatIsWrong) {
     expect_error("%YAML:1.0\n---\nimage_width: 640\n", "image_height");
     expect_error("%YAML:1.0\n---\nimage_width: -640\nimage_height: 360\n", "picture size");
     expect_error("%YAML:1.0\n---\nimage_width: 640\nimage_height: 360\ncamera_matrix: [1, 2, 3]\n", "3 × 3");
+    const std::string good = opencv_yaml(good_matrix, five, 5);
+    expect_error(good + "parameter_sigmas: [1, 1, 1, 1]\n", "parameter_sigmas");
+    expect_error(good + "parameter_sigmas: [1, 1, -1, 1, 0, 0, 0, 0, 0]\n", "negative");
     expect_error("", "no");
     expect_error(std::string("\x00\x01\xff\xfe garbage", 12), "no");
     std::filesystem::remove(path_);
