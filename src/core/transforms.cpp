@@ -35,6 +35,17 @@ Eigen::Matrix<double, 3, 4> tag_corners_m(double size_m) {
     return corners;
 }
 
+RigidTransform camera_looking_along(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& forward) {
+    // 1e-6: beyond it the horizon's direction would be rounding.
+    const bool is_vertical = forward.cross(Eigen::Vector3d::UnitZ()).norm() < 1e-6;
+    const Eigen::Vector3d up = is_vertical ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d right = forward.cross(up).normalized();
+    RigidTransform world_from_camera = RigidTransform::Identity();
+    world_from_camera.linear() << right, forward.cross(right), forward;
+    world_from_camera.translation() = eye_m;
+    return world_from_camera.inverse();
+}
+
 Eigen::Matrix4d clip_from_camera(const PinholeView& view) {
     // Pixel (u, v) spans [u − ½, u + ½]; the viewport spans [origin − ½, origin − ½ + size].
     const double centre_x = view.cx - view.origin_x + 0.5;

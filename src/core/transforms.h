@@ -29,6 +29,10 @@ inline Eigen::Vector2d pixel_from_detector(const Eigen::Vector2d& detector_px) {
 /// printed sheet: (−,−), (+,−), (+,+), (−,+), z = 0.
 Eigen::Matrix<double, 3, 4> tag_corners_m(double size_m);
 
+/// The camera at `eye` that looks along `forward` (of unit length), upright where it can be: the world's z is up in its
+/// picture, or, when it looks straight up or down, the world's y.
+RigidTransform camera_looking_along(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& forward);
+
 /// OpenGL clip coordinates (reversed z: near → 1, infinity → 0; y up) from OpenCV camera coordinates, for the pinhole
 /// (fx, fy, cx, cy) in pixels with centres at whole numbers over a viewport of width × height pixels whose first pixel
 /// is (origin_x, origin_y).

@@ -128,12 +128,9 @@ private:
                         .distortion = {}};
         constexpr double down = 25 * std::numbers::pi / 180;
         const Eigen::Vector3d forward(0, std::cos(down), -std::sin(down));
-        const Eigen::Vector3d right = Eigen::Vector3d::UnitX();
-        RigidTransform world_from_camera = RigidTransform::Identity();
-        world_from_camera.linear() << right, forward.cross(right), forward;
-        world_from_camera.translation() = Eigen::Vector3d(0, 0, radius_m) - forward * distance_m(setup);
         SolvedFrame frame;
-        frame.camera_from_world = world_from_camera.inverse();
+        frame.camera_from_world =
+            camera_looking_along(Eigen::Vector3d(0, 0, radius_m) - forward * distance_m(setup), forward);
         frame.exposure_ev = 0;
         solve.frames.push_back(frame);
         return solve;

@@ -24,21 +24,13 @@ Camera pinhole(const CameraSettings& settings) {
     return camera;
 }
 
-/// Upright where it can be; a camera that looks straight up or down has world +y at the top of its picture.
 RigidTransform camera_from_world(const CameraView& view, const Scene& scene, std::int64_t frame) {
     const Eigen::Vector3d forward = (view.target_m - view.eye_m).normalized();
     if (!(forward.norm() > 0.5)) {
         throw InputError(scene.path, frame, "[camera]: eye and target are one point",
                          "let the keys pass by each other");
     }
-    // 1e-6: beyond it the horizon's direction would be rounding.
-    const bool is_vertical = forward.cross(Eigen::Vector3d::UnitZ()).norm() < 1e-6;
-    const Eigen::Vector3d up = is_vertical ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
-    const Eigen::Vector3d right = forward.cross(up).normalized();
-    RigidTransform world_from_camera = RigidTransform::Identity();
-    world_from_camera.linear() << right, forward.cross(right), forward;
-    world_from_camera.translation() = view.eye_m;
-    return world_from_camera.inverse();
+    return camera_looking_along(view.eye_m, forward);
 }
 
 /// fx · f/N as the solve has it, f the focal length that gives the angle of view while focused at that distance

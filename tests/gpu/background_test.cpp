@@ -35,16 +35,12 @@ protected:
     Warnings warnings_;
 };
 
-BackgroundView view_towards(const Eigen::Vector3d& forward, const Eigen::Vector3d& up, int size, double fov_deg) {
+BackgroundView view_towards(const Eigen::Vector3d& forward, int size, double fov_deg) {
     BackgroundView view;
     view.width = view.height = size;
     view.fx = view.fy = size / 2.0 / std::tan(fov_deg / 2 * std::numbers::pi / 180);
     view.cx = view.cy = (size - 1) / 2.0;
-    const Eigen::Vector3d right = forward.cross(up).normalized();
-    RigidTransform world_from_camera = RigidTransform::Identity();
-    world_from_camera.linear() << right, forward.cross(right), forward;
-    world_from_camera.translation() = Eigen::Vector3d(4, 5, 6);  // the sky is as far from everywhere
-    view.camera_from_world = world_from_camera.inverse();
+    view.camera_from_world = camera_looking_along({4, 5, 6}, forward);  // the sky is as far from everywhere
     return view;
 }
 
@@ -66,7 +62,7 @@ TEST_F(BackgroundTest, ShowsTheProbeItselfWhereItIsCoarser) {
     probe.latlong.at(20, 10, 0) = 1e9F;  // beyond what half floats hold
     // Towards the seam at world −y, between texels, and to the horizon in between: no direction is special.
     for (const Eigen::Vector3d& forward : {Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(0.6, 0.48, 0.64)}) {
-        const BackgroundView view = view_towards(forward, Eigen::Vector3d::UnitZ(), 48, 40);
+        const BackgroundView view = view_towards(forward, 48, 40);
         const ImageF picture = draw_sky(probe, view);
         for (int y = 0; y < view.height; ++y) {
             for (int x = 0; x < view.width; ++x) {
@@ -84,8 +80,7 @@ TEST_F(BackgroundTest, ShowsTheProbeItselfWhereItIsCoarser) {
 TEST_F(BackgroundTest, IsEvenUnderEvenLightInEveryDirection) {
     for (const Eigen::Vector3d& forward :
          {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(1, 0, 0)}) {
-        const ImageF picture =
-            draw_sky(test::uniform_probe(0.7), view_towards(forward, Eigen::Vector3d::UnitY(), 33, 100));
+        const ImageF picture = draw_sky(test::uniform_probe(0.7), view_towards(forward, 33, 100));
         for (const float value : picture.samples()) ASSERT_NEAR(value, 0.7, 1e-6);
     }
 }
@@ -96,7 +91,7 @@ TEST_F(BackgroundTest, AveragesOverThePixelWhereTheProbeIsFiner) {
         const int column = static_cast<int>(std::floor(latlong_pixel(d, 512, 256).x() + 0.5));
         return Eigen::Vector3d(column % 2, 1 + d.z(), 1 + 0.5 * d.x());
     });
-    const BackgroundView view = view_towards(Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ(), 16, 90);
+    const BackgroundView view = view_towards(Eigen::Vector3d::UnitY(), 16, 90);
     const ImageF picture = draw_sky(probe, view);
     for (int y = 0; y < 16; ++y) {
         for (int x = 0; x < 16; ++x) {
@@ -121,7 +116,7 @@ TEST_F(BackgroundTest, KeepsTheEnergyOfASmallSun) {
     for (const int size : {20, 29, 41, 64, 113, 300}) {
         for (const double aside : {0.0, 0.004, 0.009}) {
             const Eigen::Vector3d forward = (towards + aside * Eigen::Vector3d(1, 0.3, 0.7)).normalized();
-            const BackgroundView view = view_towards(forward, Eigen::Vector3d::UnitZ(), size, 40);
+            const BackgroundView view = view_towards(forward, size, 40);
             const ImageF picture = draw_sky(probe, view);
             double sum = 0;
             for (int y = 0; y < size; ++y) {
@@ -136,7 +131,7 @@ TEST_F(BackgroundTest, KeepsTheEnergyOfASmallSun) {
 }
 
 TEST_F(BackgroundTest, ShowsAColourThroughTheGain) {
-    BackgroundView view = view_towards(Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), 5, 40);
+    BackgroundView view = view_towards(Eigen::Vector3d::UnitX(), 5, 40);
     view.gain = Eigen::Vector3d(2, 4, 8);
     const Background background({.probe = false, .color = std::array{0.5, 0.25, 1e6}, .image = {}}, {}, 5, 5,
                                 warnings_);
@@ -152,7 +147,7 @@ TEST_F(BackgroundTest, ShowsAPictureAsItIs) {
     for (std::size_t i = 0; i < codes.samples().size(); ++i) codes.samples()[i] = static_cast<std::uint8_t>(14 * i);
     write_png8(path, codes);
     const BackgroundSettings settings{.probe = false, .color = {}, .image = path};
-    BackgroundView view = view_towards(Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), 3, 40);
+    BackgroundView view = view_towards(Eigen::Vector3d::UnitX(), 3, 40);
     view.height = 2;
     const ImageF picture = draw(Background(settings, {}, 3, 2, warnings_), view);
     for (std::size_t i = 0; i < codes.samples().size(); ++i) {
@@ -163,7 +158,7 @@ TEST_F(BackgroundTest, ShowsAPictureAsItIs) {
 }
 
 TEST_F(BackgroundTest, IsBlackWithoutSettings) {
-    const BackgroundView view = view_towards(Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), 1, 40);
+    const BackgroundView view = view_towards(Eigen::Vector3d::UnitX(), 1, 40);
     EXPECT_EQ(draw(Background({}, {}, 1, 1, warnings_), view).at(0, 0, 1), 0);
 }
 

@@ -35,12 +35,7 @@ inline PlateFrame grey_plate(int width, int height, std::uint8_t luma = 120) {
 /// Half a metre before the objects and as much above them, looking at them: about where the sample's camera stood.
 inline RigidTransform camera_before_the_table() {
     const Eigen::Vector3d eye(0, -0.45, 0.42), target(0, 0.02, 0.03);
-    const Eigen::Vector3d forward = (target - eye).normalized();
-    const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
-    RigidTransform world_from_camera = RigidTransform::Identity();
-    world_from_camera.linear() << right, forward.cross(right), forward;
-    world_from_camera.translation() = eye;
-    return world_from_camera.inverse();
+    return camera_looking_along(eye, (target - eye).normalized());
 }
 
 }  // namespace matchlight::test

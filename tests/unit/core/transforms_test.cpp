@@ -38,6 +38,19 @@ TEST(Transforms, ClipAgreesWithThePinholeAtPixelCentres) {
     EXPECT_NEAR(clip.z() / clip.w(), view.near_m / point.z(), 1e-12);
 }
 
+TEST(Transforms, ACameraLooksAlongItsDirectionAndStandsUpright) {
+    const Eigen::Vector3d eye(1, 2, 3), forward = Eigen::Vector3d(0.3, -0.8, -0.4).normalized();
+    const RigidTransform camera_from_world = camera_looking_along(eye, forward);
+    EXPECT_TRUE(is_rigid(camera_from_world.matrix(), 1e-12));
+    EXPECT_LT((camera_from_world * Eigen::Vector3d(eye + 2 * forward) - Eigen::Vector3d(0, 0, 2)).norm(), 1e-12);
+    const Eigen::Vector3d up = camera_from_world.linear() * Eigen::Vector3d::UnitZ();
+    EXPECT_NEAR(up.x(), 0, 1e-12);
+    EXPECT_LT(up.y(), 0);  // y runs down the picture
+    // Straight down: the world's y at the top.
+    const RigidTransform down = camera_looking_along(eye, -Eigen::Vector3d::UnitZ());
+    EXPECT_LT((down.linear() * Eigen::Vector3d::UnitY() - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
+}
+
 TEST(Transforms, RigidityIsRecognised) {
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     EXPECT_TRUE(is_rigid(matrix));
