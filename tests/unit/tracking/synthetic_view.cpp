@@ -1,104 +1,32 @@
-// Ray casting of flat tags.
+// The reference renderer, with what tests add to its light.
 #include "synthetic_view.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <random>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/transfer.h"
+#include "report/tag_view_reference.h"
 
 namespace matchlight::test {
 
-namespace {
-
-/// Light of the tag's sheet at grid coordinates, or NaN outside it. The sheet has a margin of one cell around the grid.
-double sheet_light(const SyntheticView& view, const TagPattern& pattern, double a, double b) {
-    if (a < -1 || b < -1 || a >= pattern.cells + 1 || b >= pattern.cells + 1) {
-        return std::numeric_limits<double>::quiet_NaN();
-    }
-    const int x = static_cast<int>(std::floor(a)), y = static_cast<int>(std::floor(b));
-    const bool inside = x >= 0 && y >= 0 && x < pattern.cells && y < pattern.cells;
-    return inside && pattern.at(x, y) == TagPattern::black ? view.ink : view.paper;
-}
-
-/// The view's tags with what does not change from pixel to pixel.
-class TagScene {
-public:
-    TagScene(const SyntheticView& view, const std::vector<SyntheticTag>& tags) : view_(view) {
-        for (const SyntheticTag& tag : tags) {
-            const Eigen::Matrix<double, 2, 4> corners = true_corners_px(view, tag);
-            const Eigen::Vector2d low = corners.rowwise().minCoeff(), high = corners.rowwise().maxCoeff();
-            const Eigen::Vector2d margin = 0.5 * (high - low) + Eigen::Vector2d(4, 4);
-            entries_.push_back(
-                {&tag, (view.camera_from_world * tag.world_from_tag).inverse(), low - margin, high + margin});
-        }
-    }
-
-    bool near_tag(double x, double y) const {
-        return std::ranges::any_of(entries_, [&](const Entry& entry) {
-            return x > entry.low.x() && y > entry.low.y() && x < entry.high.x() && y < entry.high.y();
-        });
-    }
-
-    double light_at(const Eigen::Vector2d& px) const {
-        const Eigen::Vector3d ray = view_.camera.normalized_from_pixel(px).homogeneous();
-        for (const Entry& entry : entries_) {
-            const Eigen::Vector3d from = entry.tag_from_camera.translation();
-            const Eigen::Vector3d direction = entry.tag_from_camera.linear() * ray;
-            if (!(direction.z() < 0)) continue;  // seen from behind
-            const Eigen::Vector3d hit = from - from.z() / direction.z() * direction;
-            const TagPattern& pattern = entry.tag->pattern;
-            const double cell_m = entry.tag->size_m / (pattern.border_end - pattern.border_begin);
-            const double middle = pattern.cells / 2.0;
-            const double light = sheet_light(view_, pattern, middle + hit.x() / cell_m, middle - hit.y() / cell_m);
-            if (!std::isnan(light)) return light;
-        }
-        return view_.ground;
-    }
-
-private:
-    struct Entry {
-        const SyntheticTag* tag;
-        RigidTransform tag_from_camera;
-        Eigen::Vector2d low, high;
-    };
-    const SyntheticView& view_;
-    std::vector<Entry> entries_;
-};
-
-/// Mean light of a pixel; one whose corners and middle agree is taken as even (cells are several pixels wide).
-double pixel_light(const TagScene& scene, int x, int y, int samples) {
-    const double middle = scene.light_at(Eigen::Vector2d(x, y));
-    bool even = true;
-    for (const double dy : {-0.5, 0.5}) {
-        for (const double dx : {-0.5, 0.5}) even = even && scene.light_at(Eigen::Vector2d(x + dx, y + dy)) == middle;
-    }
-    if (even) return middle;
-    double sum = 0;
-    for (int j = 0; j < samples; ++j) {
-        for (int i = 0; i < samples; ++i) {
-            sum += scene.light_at({x - 0.5 + (i + 0.5) / samples, y - 0.5 + (j + 0.5) / samples});
-        }
-    }
-    return sum / (samples * samples);
-}
-
-}  // namespace
-
 ImageF render_light(const SyntheticView& view, const std::vector<SyntheticTag>& tags) {
-    const Camera& camera = view.camera;
-    const TagScene scene(view, tags);
-    ImageF light(camera.width, camera.height, 1, static_cast<float>(view.ground));
-    for (int y = 0; y < camera.height; ++y) {
-        for (int x = 0; x < camera.width; ++x) {
-            if (scene.near_tag(x, y)) light.at(x, y) = static_cast<float>(pixel_light(scene, x, y, view.samples));
-        }
+    TagView reference;
+    reference.camera = view.camera;
+    reference.camera_from_world = [&view](double) { return view.camera_from_world; };
+    reference.ground = view.ground;
+    for (const SyntheticTag& tag : tags) {
+        reference.tags.push_back({.pattern = tag.pattern,
+                                  .id = tag.id,
+                                  .size_m = tag.size_m,
+                                  .world_from_tag = tag.world_from_tag,
+                                  .paper = view.paper,
+                                  .ink = view.ink});
     }
+    ImageF light = reference_light(reference);
     cv::Mat picture(light.height(), light.width(), CV_32F, light.samples().data());
     if (!view.motion_px.empty()) {
         cv::Mat moved = cv::Mat::zeros(picture.size(), CV_32F), shifted;

@@ -30,7 +30,6 @@ struct SyntheticView {
     /// Weighted displacements (px) of the picture during the exposure.
     std::vector<std::pair<Eigen::Vector2d, double>> motion_px;
     unsigned seed = 1;
-    int samples = 8;  // a pixel's side
 };
 
 /// Linear light, one channel.
