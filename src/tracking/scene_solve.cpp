@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/thin_lens.h"
 #include "core/error.h"
 #include "core/version.h"
 #include "tracking/solve_freshness.h"
@@ -33,12 +34,17 @@ RigidTransform camera_from_world(const CameraView& view, const Scene& scene, std
     return camera_looking_along(view.eye_m, forward);
 }
 
-/// fx · f/N as the solve has it, f the focal length that gives the angle of view while focused at that distance
+/// The focal length is that which gives the angle of view while focused at that distance
 /// (1/f = 1/image distance + 1/distance).
-double coc_scale_px_m(const LensSettings& lens, const Camera& camera) {
-    const double image_distance_m = camera.fx * lens.sensor_width_mm / 1000 / camera.width;
-    const double focal_length_m = 1 / (1 / image_distance_m + 1 / lens.focus_distance_m);
-    return camera.fx * focal_length_m / lens.f_number;
+Focus focus_of(const LensSettings& settings, const Camera& camera) {
+    const double image_distance_m = camera.fx * settings.sensor_width_mm / 1000 / camera.width;
+    ThinLens lens;
+    lens.focal_length_m = 1 / (1 / image_distance_m + 1 / settings.focus_distance_m);
+    lens.f_number = settings.f_number;
+    lens.focus_distance_m = settings.focus_distance_m;
+    lens.sensor_width_m = settings.sensor_width_mm / 1000;
+    lens.image_width_px = camera.width;
+    return focus_of(lens);
 }
 
 }  // namespace
@@ -59,8 +65,9 @@ Solve virtual_solve(const Scene& scene) {
         frame.camera_from_world = camera_from_world(camera_view(settings, static_cast<double>(i)), scene, i);
         frame.exposure_ev = settings.exposure_ev;
         if (settings.lens) {
-            frame.focus_distance_m = settings.lens->focus_distance_m;
-            frame.coc_scale_px_m = coc_scale_px_m(*settings.lens, solve.camera);
+            const Focus focus = focus_of(*settings.lens, solve.camera);
+            frame.focus_distance_m = focus.focus_distance_m;
+            frame.coc_scale_px_m = focus.coc_scale_px_m;
         }
         solve.frames.push_back(frame);
     }
