@@ -15,8 +15,8 @@ namespace matchlight {
 
 namespace {
 
-/// Offsets from the pixel's centre (px), from mid-exposure (of the exposure), from the middle of the lens (of its
-/// radius).
+/// Offsets, each within ±½: from the pixel's centre (px), on a square that becomes the lens, and from mid-exposure (of
+/// the exposure).
 struct RaySample {
     Eigen::Vector2d pixel, lens;
     double time = 0;
@@ -33,11 +33,15 @@ Eigen::Vector2d disc_from_square(const Eigen::Vector2d& p) {
     return radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
 }
 
-constexpr int dimensions = 5;  // two of the pixel, two of the lens, time
+/// What a pixel is the mean over beside its own area.
+struct Blur {
+    bool lens = false, motion = false;
+    int dimensions() const { return 2 + (lens ? 2 : 0) + (motion ? 1 : 0); }
+};
 
 /// The worst-case error of a Korobov lattice for smooth periodic functions, P₂ (Sloan & Joe 1994, Lattice Methods for
 /// Multiple Integration, ch. 4), up to a constant.
-double lattice_error(int count, std::int64_t factor) {
+double lattice_error(int count, std::int64_t factor, int dimensions) {
     double sum = 0;
     for (std::int64_t k = 0; k < count; ++k) {
         double product = 1;
@@ -52,28 +56,46 @@ double lattice_error(int count, std::int64_t factor) {
     return sum;
 }
 
-/// A rank-1 lattice of an odd number of points: on each axis the midpoints of equal strata, and symmetric about 0.
-std::vector<RaySample> ray_samples(int count) {
+/// A rank-1 lattice of an odd number of points: on each axis the midpoints of equal strata, and symmetric about 0:
+/// the last is the first but one with its signs changed, and so on.
+std::vector<RaySample> ray_samples(int count, const Blur& blur) {
     assert(count > 0 && count % 2 == 1);
     std::int64_t best = 1;
     double least = std::numeric_limits<double>::infinity();
     for (std::int64_t factor = 2; factor <= count / 2; ++factor) {
         constexpr int most_tried = 200;  // near enough to the best of all
         if (factor > most_tried) break;
-        const double error = lattice_error(count, factor);
+        const double error = lattice_error(count, factor, blur.dimensions());
         if (error < least) least = error, best = factor;
     }
     std::vector<RaySample> samples;
     for (std::int64_t k = 0; k < count; ++k) {
-        std::array<double, dimensions> at{};
         std::int64_t residue = k;
-        for (double& x : at) {
-            x = static_cast<double>(residue > count / 2 ? residue - count : residue) / count;
+        const auto next = [&] {
+            const double x = static_cast<double>(residue > count / 2 ? residue - count : residue) / count;
             residue = residue * best % count;
-        }
-        samples.push_back({{at[0], at[1]}, disc_from_square({at[2], at[3]}), at[4]});
+            return x;
+        };
+        RaySample& sample = samples.emplace_back();
+        sample.pixel = {next(), next()};
+        if (blur.lens) sample.lens = {next(), next()};
+        if (blur.motion) sample.time = next();
     }
     return samples;
+}
+
+/// Within ±½ by whole steps.
+Eigen::Vector2d wrapped(const Eigen::Vector2d& at) {
+    return at - at.array().round().matrix();
+}
+
+/// Evenly spread over ±½, another for every pixel and number (the finaliser of MurmurHash3, Appleby 2011).
+double scattered(int x, int y, std::uint64_t number) {
+    std::uint64_t bits = (static_cast<std::uint64_t>(x) << 34) ^ (static_cast<std::uint64_t>(y) << 4) ^ number;
+    bits = (bits ^ (bits >> 33)) * 0xff51afd7ed558ccdULL;
+    bits = (bits ^ (bits >> 33)) * 0xc4ceb9fe1a85ec53ULL;
+    bits ^= bits >> 33;
+    return static_cast<double>(bits >> 11) * 0x1p-53 - 0.5;
 }
 
 struct GridPoint {
@@ -168,7 +190,10 @@ using SheetPoses = std::vector<std::vector<RigidTransform>>;
 
 class Caster {
 public:
-    explicit Caster(const TagView& view) : view_(view), samples_(ray_samples(view.rays)) {
+    explicit Caster(const TagView& view)
+        : view_(view),
+          blur_{view.aperture_m > 0, view.exposure_s > 0},
+          samples_(ray_samples(sharp() ? view.rays : (view.rays / 2) | 1, blur_)) {
         for (const TagSheet& tag : view.tags) sheets_.emplace_back(tag);
         for (const HidingCard& card : view.cards) sheets_.emplace_back(card);
         for (const Sheet& sheet : sheets_) reach_.push_back(reach_of(sheet));
@@ -182,6 +207,8 @@ public:
     }
 
 private:
+    bool sharp() const { return !blur_.lens && !blur_.motion; }
+
     /// The poses that a row is exposed with: in the middle of it, at its ends, and at every ray's time.
     struct Exposed {
         SheetPoses ends;  // of each sheet: middle, begin, end
@@ -283,13 +310,29 @@ private:
             ray(centre, Eigen::Vector2d::Zero(), origin, direction);
             return cast(origin, direction, exposed.ends, 0, near);
         }
-        double sum = 0;
-        for (std::size_t k = 0; k < samples_.size(); ++k) {
+        const auto cast_sample = [&](const Eigen::Vector2d& on_pixel, const Eigen::Vector2d& on_lens,
+                                     std::size_t time) {
             Eigen::Vector3d origin, direction;
-            ray(centre + jacobian * samples_[k].pixel, view_.aperture_m / 2 * samples_[k].lens, origin, direction);
-            sum += cast(origin, direction, exposed.rays, view_.exposure_s == 0 ? 0 : k, near);
+            ray(centre + jacobian * on_pixel, view_.aperture_m / 2 * on_lens, origin, direction);
+            return cast(origin, direction, exposed.rays, view_.exposure_s == 0 ? 0 : time, near);
+        };
+        double sum = 0;
+        if (sharp()) {
+            for (const RaySample& sample : samples_) sum += cast_sample(sample.pixel, Eigen::Vector2d::Zero(), 0);
+            return sum / static_cast<double>(samples_.size());
         }
-        return sum / static_cast<double>(samples_.size());
+        // Steps of light in five dimensions are no smooth function: what the lattice misses is scattered from pixel to
+        // pixel by a shift (Cranley & Patterson 1976), and every ray has its mirror image.
+        const Eigen::Vector2d pixel_shift(scattered(x, y, 0), scattered(x, y, 1));
+        const Eigen::Vector2d lens_shift =
+            blur_.lens ? Eigen::Vector2d(scattered(x, y, 2), scattered(x, y, 3)) : Eigen::Vector2d(0, 0);
+        for (std::size_t k = 0; k < samples_.size(); ++k) {
+            const Eigen::Vector2d on_pixel = wrapped(samples_[k].pixel + pixel_shift);
+            const Eigen::Vector2d on_lens = disc_from_square(wrapped(samples_[k].lens + lens_shift));
+            sum += cast_sample(on_pixel, on_lens, k) +
+                   cast_sample(-on_pixel, -on_lens, (samples_.size() - k) % samples_.size());
+        }
+        return sum / static_cast<double>(2 * samples_.size());
     }
 
     /// Whether every ray of the pixel meets the same light: every sheet is either even over what the rays can reach of
@@ -327,6 +370,7 @@ private:
     }
 
     const TagView& view_;
+    Blur blur_;
     std::vector<RaySample> samples_;
     std::vector<Sheet> sheets_;
     std::vector<Region> reach_;
