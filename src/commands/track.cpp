@@ -31,6 +31,7 @@ struct TrackCall {
     std::optional<fs::path> output;
     FrameRange frames;
     TrackLevel level = TrackLevel::final_;
+    CornerMethod corners = CornerMethod::fit;
     bool overwrite = false, strict = false;
 };
 
@@ -53,6 +54,7 @@ void run_track(const TrackCall& call, CommandContext& context) {
 
     TrackOptions options;
     options.level = call.level;
+    options.corners = call.corners;
     options.first_frame = call.frames.first;
     options.last_frame = call.frames.last;
     options.strict = call.strict;
@@ -96,6 +98,11 @@ void add_track_command(CLI::App& app, CommandContext& context) {
         ->add_option("--level", call->level,
                      "How much is done for the pose: fast keeps up with footage, final is the best (default)")
         ->transform(CLI::CheckedTransformer(levels).description("{fast,normal,final}"));
+    const std::map<std::string, CornerMethod> methods{{"apriltag", CornerMethod::apriltag}, {"fit", CornerMethod::fit}};
+    command
+        ->add_option("--corners", call->corners,
+                     "Where corners come from: AprilTag's library, or the fit of the tags' image (default)")
+        ->transform(CLI::CheckedTransformer(methods).description("{apriltag,fit}"));
     command->add_flag("--overwrite", call->overwrite, "Replace the file named by --output");
     command->add_flag("--strict", call->strict, "Damaged or truncated footage is an error");
     command->callback([call, &context] { run_track(*call, context); });

@@ -16,7 +16,7 @@
 #include "core/stop.h"
 #include "tracking/plate_light.h"
 #include "tracking/tag_detector.h"
-#include "tracking/tag_fit.h"
+#include "tracking/tag_follower.h"
 
 namespace matchlight {
 
@@ -26,51 +26,46 @@ Region whole_frame(const PlateFrame& frame) {
     return {0, 0, frame.format().width, frame.format().height};
 }
 
-struct FrameFindings {
-    FrameObservations observations;
-    std::vector<CardReading> cards;
-    std::vector<int> foreign_ids;
-    std::int64_t decoys = 0;
+/// Frames are worked in groups of so many, by their number in the clip: few enough that a group of 4K frames fits in
+/// memory for every core, enough that the full search at a group's start is a small part of the work.
+constexpr std::int64_t group_length = 8;
+
+/// Hands out groups of frames from one decoder, in order.
+class GroupSource {
+public:
+    GroupSource(FrameSource& source, std::optional<std::int64_t> last_frame)
+        : source_(source), last_frame_(last_frame) {}
+
+    /// Empty at the end.
+    std::vector<PlateFrame> next() {
+        const std::lock_guard lock(mutex_);
+        std::vector<PlateFrame> group;
+        if (!pending_) pending_ = decode();
+        while (pending_ &&
+               (group.empty() || group.front().index() / group_length == pending_->index() / group_length)) {
+            group.push_back(std::move(*pending_));
+            pending_ = decode();
+        }
+        return group;
+    }
+
+private:
+    std::optional<PlateFrame> decode() {
+        if (ended_) return std::nullopt;
+        ended_ = true;  // also when decoding throws: the other workers stop
+        if (stop_requested()) throw InputError(source_.info().path, "stopped on request");
+        std::optional<PlateFrame> frame = source_.next();
+        if (frame && last_frame_ && frame->index() > *last_frame_) frame.reset();
+        ended_ = !frame;
+        return frame;
+    }
+
+    FrameSource& source_;
+    std::optional<std::int64_t> last_frame_;
+    std::mutex mutex_;
+    std::optional<PlateFrame> pending_;
+    bool ended_ = false;
 };
-
-/// Tags found in light, and those that only show when shadows are lifted; the fit corrects the latter's corners. The
-/// second search is made only when a wanted tag is missing.
-std::vector<TagDetection> detect_all(const TagDetector& detector, const ImageF& light, const std::set<int>& wanted) {
-    std::vector<TagDetection> detections = detector.detect(detection_image(light));
-    const auto is_found = [&, count = detections.size()](int id) {
-        return std::any_of(detections.begin(), detections.begin() + static_cast<std::ptrdiff_t>(count),
-                           [&](const TagDetection& detection) { return detection.id == id; });
-    };
-    if (std::ranges::all_of(wanted, is_found)) return detections;
-    for (const TagDetection& detection : detector.detect(detection_image(light, DetectionScale::perceptual))) {
-        if (!is_found(detection.id)) detections.push_back(detection);
-    }
-    return detections;
-}
-
-FrameFindings examine(const PlateFrame& frame, const TagDetector& detector, const std::set<int>& wanted,
-                      const PlateLight& plate_light, const LensGrid& lens) {
-    FrameFindings findings;
-    findings.observations.frame = frame.index();
-    findings.observations.time_s = frame.time_s();
-    const ImageF light = plate_light.gray(frame, whole_frame(frame));
-    for (const TagDetection& detection : detect_all(detector, light, wanted)) {
-        if (!wanted.contains(detection.id)) {
-            findings.foreign_ids.push_back(detection.id);
-            continue;
-        }
-        const TagPattern pattern = detector.family().pattern(detection.id);
-        const std::optional<TagImageFit> fit = fit_tag(light, plate_light.clipped_light(1), lens, pattern, detection);
-        if (!fit) {
-            ++findings.decoys;
-            continue;
-        }
-        findings.observations.tags.push_back(fit->observation);
-        if (!fit->observation.refined) continue;
-        if (const auto reading = read_card(frame, plate_light, lens, pattern, *fit)) findings.cards.push_back(*reading);
-    }
-    return findings;
-}
 
 }  // namespace
 
@@ -86,27 +81,20 @@ ClipObservations observe_clip(FrameSource& source, const TagSettings& tags, cons
     Progress progress("track", std::max<std::int64_t>(0, end - options.first_frame), options.quiet);
     if (options.first_frame > 0) source.seek(options.first_frame);
 
-    std::mutex source_mutex, findings_mutex;
+    GroupSource groups(source, options.last_frame);
+    std::mutex findings_mutex;
     std::map<std::int64_t, FrameFindings> by_frame;
-    bool ended = false;
-    const auto take_frame = [&]() -> std::optional<PlateFrame> {
-        const std::lock_guard lock(source_mutex);
-        if (ended) return std::nullopt;
-        ended = true;  // also when decoding throws: the other workers stop
-        if (stop_requested()) throw InputError(source.info().path, "stopped on request");
-        std::optional<PlateFrame> frame = source.next();
-        if (frame && options.last_frame && frame->index() > *options.last_frame) frame.reset();
-        ended = !frame;
-        return frame;
-    };
     const int workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     parallel_for(workers, [&](int) {
         const TagDetector detector(tags.family, {options.decimation});
-        while (const std::optional<PlateFrame> frame = take_frame()) {
-            FrameFindings findings = examine(*frame, detector, wanted, plate_light, lens);
-            const std::lock_guard lock(findings_mutex);
-            by_frame.emplace(frame->index(), std::move(findings));
-            progress.advance();
+        for (std::vector<PlateFrame> group = groups.next(); !group.empty(); group = groups.next()) {
+            TagFollower follower({detector, wanted, plate_light, lens, options.level, options.corners});
+            for (const PlateFrame& frame : group) {
+                FrameFindings findings = follower.examine(frame);
+                const std::lock_guard lock(findings_mutex);
+                by_frame.emplace(frame.index(), std::move(findings));
+                progress.advance();
+            }
         }
     });
 

@@ -14,13 +14,16 @@
 #include "scene/scene_file.h"
 #include "tracking/grey_card.h"
 #include "tracking/rig_solve.h"
+#include "tracking/track.h"
 
 namespace matchlight {
 
 struct ObserveOptions {
     std::int64_t first_frame = 0;
     std::optional<std::int64_t> last_frame;  // included
-    int decimation = 0;                      // TagDetectorOptions
+    TrackLevel level = TrackLevel::final_;
+    CornerMethod corners = CornerMethod::fit;
+    int decimation = 0;  // TagDetectorOptions
     bool quiet = false;
 };
 
@@ -31,8 +34,9 @@ struct ClipObservations {
     std::int64_t decoys = 0;                      // decoded by the library, but the pixels are not that tag's
 };
 
-/// Decodes in order, detects and fits on all cores, and keeps no pictures. What is found in a frame depends on that
-/// frame alone. Throws InputError; a request to stop is one.
+/// Decodes in order, works groups of frames (TagFollower) on all cores, and keeps no pictures. What is found in a frame
+/// depends on it and on those before it in its group of eight, counted in the clip. Throws InputError; a request to
+/// stop is one.
 ClipObservations observe_clip(FrameSource& source, const TagSettings& tags, const Camera& camera,
                               const Response& response, const ObserveOptions& options);
 

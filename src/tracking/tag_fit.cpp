@@ -99,7 +99,6 @@ double mean_side(const TagCorners& corners) {
 std::optional<double> start_blur_and_light(const TagImageModel& model, const std::vector<TagPixel>& pixels,
                                            double cell_px, TagParameters::Vector& start) {
     const TagImageModel::Place centre = model.place(start, 0, 0);
-    const std::size_t stride = std::max<std::size_t>(1, pixels.size() / 800);
     FlatLight best;
     double best_blur = 0;
     const auto set_blur = [&](double blur) {
@@ -109,7 +108,7 @@ std::optional<double> start_blur_and_light(const TagImageModel& model, const std
     for (const double blur : {0.5, 1.0, 2.0, 4.0, 8.0, 16.0}) {
         if (best_blur > 0 && blur > cell_px) break;
         set_blur(blur);
-        const FlatLight flat = fit_flat_light(model, start, pixels, stride);
+        const FlatLight flat = fit_flat_light(model, start, pixels);
         if (best_blur > 0 && flat.squares >= best.squares) continue;
         best = flat;
         best_blur = blur;
@@ -147,13 +146,18 @@ std::optional<TagFitState> fit_visible(const TagImageModel& model, std::vector<T
     return minimiser.centred_on_mean(*state);
 }
 
-}  // namespace
+constexpr double library_corner_sigma_px = 0.5;
 
-std::optional<TagImageFit> fit_tag(const ImageF& light, double clipped_light, const LensGrid& lens,
-                                   const TagPattern& tag, const TagDetection& detection) {
-    const Camera& camera = lens.camera();
+/// A fit's start: the detection's corners and the homography through them.
+struct RoughFit {
     TagImageFit result;
-    TagObservation& observation = result.observation;
+    LocalFrame local;
+    Eigen::Matrix3d homography;  // grid from local
+};
+
+std::optional<RoughFit> rough_fit(const Camera& camera, const TagPattern& tag, const TagDetection& detection) {
+    RoughFit rough;
+    TagObservation& observation = rough.result.observation;
     observation.id = detection.id;
     observation.decision_margin = detection.decision_margin;
     for (int i = 0; i < 4; ++i) {
@@ -162,37 +166,62 @@ std::optional<TagImageFit> fit_tag(const ImageF& light, double clipped_light, co
         observation.corners_normalized.col(i) = camera.normalized_from_pixel(px);
     }
     if (!observation.corners_normalized.allFinite()) return std::nullopt;
-
     const double focal_px = std::sqrt(camera.fx * camera.fy);
-    const BlurredPattern pattern(tag);
-    TagImageModel model{pattern, {}};
-    model.local.centre = observation.corners_normalized.rowwise().mean();
-    model.local.scale = mean_side(observation.corners_normalized) / 2;
-    model.local.unit_px = model.local.scale * focal_px;
-    observation.side_px = 2 * model.local.unit_px;
+    observation.covariance = TagCovariance::Identity() * std::pow(library_corner_sigma_px / focal_px, 2);
+    rough.local.centre = observation.corners_normalized.rowwise().mean();
+    rough.local.scale = mean_side(observation.corners_normalized) / 2;
+    rough.local.unit_px = rough.local.scale * focal_px;
+    observation.side_px = 2 * rough.local.unit_px;
 
     std::array<Eigen::Vector2d, 4> local_corners;
     for (int i = 0; i < 4; ++i) {
-        local_corners[static_cast<std::size_t>(i)] = model.local.from_normalized(observation.corners_normalized.col(i));
+        local_corners[static_cast<std::size_t>(i)] = rough.local.from_normalized(observation.corners_normalized.col(i));
     }
-    const Eigen::Matrix3d rough = homography_from_corners(local_corners, grid_corners(tag));
+    rough.homography = homography_from_corners(local_corners, grid_corners(tag));
+    if (!rough.homography.allFinite()) return std::nullopt;
+    rough.result.grid_from_normalized = rough.homography * rough.local.local_from_normalized();
+    const double cells = tag.border_end - tag.border_begin;
+    rough.result.cell_px = {observation.side_px / cells, observation.side_px / cells};
+    return rough;
+}
+
+}  // namespace
+
+std::optional<TagImageFit> detected_corners(const LensGrid& lens, const TagPattern& tag,
+                                            const TagDetection& detection) {
+    std::optional<RoughFit> rough = rough_fit(lens.camera(), tag, detection);
+    if (!rough) return std::nullopt;
+    rough->result.observation.blur_px = {1, 1};
+    return rough->result;
+}
+
+std::optional<TagImageFit> fit_tag(const FitSource& source, const TagPattern& tag, const TagDetection& detection,
+                                   const TagFitOptions& options) {
+    const Camera& camera = source.lens.camera();
+    std::optional<RoughFit> rough = rough_fit(camera, tag, detection);
+    if (!rough) return std::nullopt;
+    TagImageFit& result = rough->result;
+    TagObservation& observation = result.observation;
+    const double focal_px = std::sqrt(camera.fx * camera.fy);
+    const BlurredPattern pattern(tag);
+    const TagImageModel model{pattern, rough->local};
     TagParameters::Vector start = TagParameters::Vector::Zero();
-    start.head<8>() << rough(0, 0), rough(0, 1), rough(0, 2), rough(1, 0), rough(1, 1), rough(1, 2), rough(2, 0),
-        rough(2, 1);
-    if (!start.allFinite()) return std::nullopt;
+    const Eigen::Matrix3d& h = rough->homography;
+    start.head<8>() << h(0, 0), h(0, 1), h(0, 2), h(1, 0), h(1, 1), h(1, 2), h(2, 0), h(2, 1);
     const TagImageModel::Place centre = model.place(start, 0, 0);
     result.cell_px = {1 / centre.cells_per_px_a, 1 / centre.cells_per_px_b};
     const double cell_px = std::sqrt(result.cell_px[0] * result.cell_px[1]);
 
     // How blurred it is decides which pixels tell where the edges are.
-    std::vector<TagPixel> pixels = gather_pixels(light, lens, model, start, cell_px);
+    constexpr std::size_t first_pixels = 800;
+    std::vector<TagPixel> pixels = gather_pixels(source, model, start, {cell_px, first_pixels});
     constexpr std::size_t fewest_pixels = 4 * TagParameters::count;
     if (pixels.size() < fewest_pixels) return std::nullopt;
     const std::optional<double> blur_px = start_blur_and_light(model, pixels, cell_px, start);
     if (!blur_px) return std::nullopt;
-    pixels = gather_pixels(light, lens, model, start, 4 + 4 * *blur_px);
+    pixels = gather_pixels(source, model, start, {4 + 4 * *blur_px, options.most_pixels});
 
-    const std::optional<TagFitState> state = fit_visible(model, pixels, clipped_light, cell_px, start);
+    const std::optional<TagFitState> state = fit_visible(model, pixels, source.clipped_light, cell_px, start);
     if (!state) return std::nullopt;
     observation.correlation = state->correlation;
     observation.contrast = contrast_of(state->parameters);
@@ -206,20 +235,15 @@ std::optional<TagImageFit> fit_tag(const ImageF& light, double clipped_light, co
     const double moved_px =
         (refined.corners_normalized - observation.corners_normalized).colwise().norm().maxCoeff() * focal_px;
     // The library's corners are within a pixel or two where the tag is sharp, within the blur where it is not.
-    const double believable_px = std::max({2.0, 0.5 * cell_px, 2 * *blur_px});
+    const double believable_px = std::max({2.0, 0.5 * cell_px, 2 * *blur_px, options.start_error_px});
     if (refined.corners_normalized.allFinite() && refined.covariance.allFinite() && moved_px < believable_px) {
         observation = refined;
         observation.refined = true;
         for (int i = 0; i < 4; ++i) {
             observation.corners_px.col(i) = camera.pixel_from_normalized(observation.corners_normalized.col(i));
         }
-        result.grid_from_normalized = homography_of(state->parameters);
-    } else {
-        constexpr double library_corner_sigma_px = 0.5;
-        observation.covariance = TagCovariance::Identity() * std::pow(library_corner_sigma_px / focal_px, 2);
-        result.grid_from_normalized = rough;
+        result.grid_from_normalized = homography_of(state->parameters) * model.local.local_from_normalized();
     }
-    result.grid_from_normalized = result.grid_from_normalized * model.local.local_from_normalized();
     return result;
 }
 

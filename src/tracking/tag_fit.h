@@ -8,8 +8,8 @@
 
 #include "core/image.h"
 #include "tracking/blurred_pattern.h"
-#include "tracking/lens_grid.h"
 #include "tracking/tag_detector.h"
+#include "tracking/tag_pixels.h"
 
 namespace matchlight {
 
@@ -41,11 +41,21 @@ struct TagImageFit {
     std::array<double, 2> cell_px{};
 };
 
-/// Fits homography (8), blur (3) and planes of light for paper and ink (6) to the pixels of `light`
-/// near the tag's edges, weighted robustly. `clipped_light` is the level above which light is only a lower bound.
-/// nullopt when the pixels do not look like that tag: a decoy. When they do but the fit does not hold (too blurred, too
-/// small), the library's corners come back with a wide covariance.
-std::optional<TagImageFit> fit_tag(const ImageF& light, double clipped_light, const LensGrid& lens,
-                                   const TagPattern& tag, const TagDetection& detection);
+struct TagFitOptions {
+    /// Pixels near edges, evenly spread where there are more; the time goes with them. 3000 is where more no longer
+    /// lower the error: neighbours share the coding's noise.
+    std::size_t most_pixels = 3000;
+    double start_error_px = 0;  // what the corners of a prediction may be off; detected ones are within the blur
+};
+
+/// Fits homography (8), blur (3) and planes of light for paper and ink (6) to the light near the tag's edges, weighted
+/// robustly, from the corners of `detection`. nullopt when the pixels do not look like that tag: a decoy. When they do
+/// but the fit does not hold (too blurred, too small), the detection's corners come back with a wide covariance.
+std::optional<TagImageFit> fit_tag(const FitSource& source, const TagPattern& tag, const TagDetection& detection,
+                                   const TagFitOptions& options = {});
+
+/// The detection's own corners, unfitted, with the blur of an ordinary sharp picture. nullopt where the lens does not
+/// reach.
+std::optional<TagImageFit> detected_corners(const LensGrid& lens, const TagPattern& tag, const TagDetection& detection);
 
 }  // namespace matchlight

@@ -44,6 +44,8 @@ struct TagPixel {
     double x = 0, y = 0;
     double light = 0;
     bool hidden = false;  // by something in front of the tag
+    /// TagImageModel::Place there: it changes little while a fit moves, and costs as much as the rest.
+    double cells_per_px_a = 0, cells_per_px_b = 0, axes_cosine = 0;
 };
 
 /// Model light at one pixel and its derivatives by all parameters.
@@ -66,8 +68,22 @@ struct TagImageModel {
     };
 
     Place place(const TagParameters::Vector& parameters, double x, double y) const;
+    /// Sets what a pixel holds of its place.
+    void locate(const TagParameters::Vector& parameters, TagPixel& pixel) const;
+};
+
+/// The model's picture for one set of parameters.
+class TagImage {
+public:
+    TagImage(const TagImageModel& model, const TagParameters::Vector& parameters);
+
     /// False where the pixel is not in view of the tag's plane.
-    bool evaluate(const TagParameters::Vector& parameters, const TagPixel& pixel, PixelModel& model) const;
+    bool at(const TagPixel& pixel, PixelModel& result) const;
+
+private:
+    const BlurredPattern& pattern_;
+    TagParameters::Vector p_;
+    double blur_a_px_, blur_b_px_;
 };
 
 }  // namespace matchlight

@@ -38,7 +38,8 @@ double cut_for(const TagFitState& state) {
     return std::max(6 * state.residual_scale, 0.6 * std::abs(contrast_of(state.parameters)));
 }
 
-constexpr double least_blur_px = 0.05;  // below, the box of the pixel hides it
+constexpr Eigen::Index block_size = 64;  // gradients that are squared at once
+constexpr double least_blur_px = 0.05;   // below, the box of the pixel hides it
 
 /// Keeps the blur where it can be told from a sharp edge, and its covariance that of an ellipse.
 void hold_blur(Vector& p) {
@@ -52,10 +53,11 @@ void hold_blur(Vector& p) {
 
 }  // namespace
 
-TagMinimiser::TagMinimiser(const TagImageModel& model, const std::vector<TagPixel>& pixels, double clipped_light,
+TagMinimiser::TagMinimiser(const TagImageModel& model, std::vector<TagPixel>& pixels, double clipped_light,
                            double cell_px)
     : model_(model), pixels_(pixels), clipped_(clipped_light), cell_px_(cell_px) {
     residuals_.reserve(pixels.size());
+    gradients_.resize(TagParameters::count, block_size);
 }
 
 bool TagMinimiser::is_sane(const Vector& p) const {
@@ -67,11 +69,17 @@ TagFitState TagMinimiser::linearized(const Vector& parameters, double cut, Light
     TagFitState state;
     state.parameters = parameters;
     residuals_.clear();
+    const TagImage image(model_, parameters);
     PixelModel at;
+    Eigen::Index filled = 0;
+    const auto add_block = [&] {
+        state.normal.selfadjointView<Eigen::Lower>().rankUpdate(gradients_.leftCols(filled));
+        filled = 0;
+    };
     double sum = 0, squares = 0, unexplained = 0;
     for (const TagPixel& pixel : pixels_) {
         if (pixel.hidden) continue;
-        if (!model_.evaluate(parameters, pixel, at)) {
+        if (!image.at(pixel, at)) {
             state.cost += biweight_cost(cut, cut);
             residuals_.push_back(cut);
             continue;
@@ -89,10 +97,12 @@ TagFitState TagMinimiser::linearized(const Vector& parameters, double cut, Light
             at.gradient.segment<2>(TagParameters::paper + 1).setZero();
             at.gradient.segment<2>(TagParameters::ink + 1).setZero();
         }
-        state.normal.selfadjointView<Eigen::Lower>().rankUpdate(at.gradient, weight);
+        gradients_.col(filled++) = std::sqrt(weight) * at.gradient;
+        if (filled == gradients_.cols()) add_block();
         state.right += weight * residual * at.gradient;
         state.weight_sum += weight;
     }
+    add_block();
     const auto count = static_cast<double>(std::max<std::size_t>(1, residuals_.size()));
     const double variance = squares - sum * sum / count;
     state.correlation = variance > 0 ? std::sqrt(std::max(0.0, 1 - unexplained / variance)) : 0;
@@ -102,6 +112,7 @@ TagFitState TagMinimiser::linearized(const Vector& parameters, double cut, Light
 }
 
 std::optional<TagFitState> TagMinimiser::minimise(const Vector& start, Light light) {
+    for (TagPixel& pixel : pixels_) model_.locate(start, pixel);
     double cut = std::abs(contrast_of(start));
     TagFitState state = linearized(start, cut, light);
     double damping = 1e-3;
@@ -142,10 +153,11 @@ std::optional<TagFitState> TagMinimiser::minimise(const Vector& start, Light lig
 Vector TagMinimiser::instrumented_step(const Vector& parameters, const Vector& wider, double cut) const {
     Matrix system = Matrix::Zero();
     Vector right = Vector::Zero();
+    const TagImage image(model_, parameters), wider_image(model_, wider);
     PixelModel at, instrument;
     for (const TagPixel& pixel : pixels_) {
         if (pixel.hidden || pixel.light >= clipped_) continue;
-        if (!model_.evaluate(parameters, pixel, at) || !model_.evaluate(wider, pixel, instrument)) continue;
+        if (!image.at(pixel, at) || !wider_image.at(pixel, instrument)) continue;
         const double residual = pixel.light - at.light;
         const double weight = biweight(residual, cut);
         if (weight == 0) continue;

@@ -22,8 +22,9 @@ struct TagFitState {
 /// Levenberg–Marquardt with Tukey's biweight. Pixels marked hidden take no part.
 class TagMinimiser {
 public:
-    /// `pixels` may be re-marked between calls, but not added to. `cell_px` bounds the blur.
-    TagMinimiser(const TagImageModel& model, const std::vector<TagPixel>& pixels, double clipped_light, double cell_px);
+    /// `pixels` may be re-marked between calls, but not added to; each call locates them anew. `cell_px` bounds the
+    /// blur.
+    TagMinimiser(const TagImageModel& model, std::vector<TagPixel>& pixels, double clipped_light, double cell_px);
 
     enum class Light { even, planes };
 
@@ -44,10 +45,12 @@ private:
     bool is_sane(const TagParameters::Vector& parameters) const;
 
     const TagImageModel& model_;
-    const std::vector<TagPixel>& pixels_;
+    std::vector<TagPixel>& pixels_;
     double clipped_;
     double cell_px_;
-    std::vector<double> residuals_;  // scratch of linearized
+    // Scratch of linearized.
+    std::vector<double> residuals_;
+    Eigen::Matrix<double, TagParameters::count, Eigen::Dynamic> gradients_;
 };
 
 }  // namespace matchlight

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -72,46 +73,66 @@ Region region_of_grid(const Eigen::Matrix3d& grid_from_normalized, int cells, co
     return box;
 }
 
-std::vector<TagPixel> gather_pixels(const ImageF& light, const LensGrid& lens, const TagImageModel& model,
-                                    const TagParameters::Vector& start, double band_px) {
-    Region box = region_of_grid(homography_of(start) * model.local.local_from_normalized(), model.pattern.cells(),
-                                lens.camera());
-    box = box.grown(2).intersected(light.bounds());
-    std::vector<TagPixel> pixels;
+namespace {
+
+/// Every `step`th pixel of a row (whole numbers or not), rows shifted against each other by the golden ratio so that no
+/// edge is met in one phase only.
+template <class Visit>
+void visit_pixels(const Region& box, double step, Visit visit) {
     for (int y = box.y; y < box.y + box.height; ++y) {
-        for (int x = box.x; x < box.x + box.width; ++x) {
-            const Eigen::Vector2d local = model.local.from_normalized(lens.normalized_from_pixel(x, y));
-            if (!local.allFinite()) continue;
+        double shift = 0;
+        if (step > 1) shift = step * std::fmod((y - box.y) * (std::numbers::phi - 1), 1.0);
+        for (double offset = shift; offset < box.width; offset += step) visit(box.x + static_cast<int>(offset), y);
+    }
+}
+
+}  // namespace
+
+std::vector<TagPixel> gather_pixels(const FitSource& source, const TagImageModel& model,
+                                    const TagParameters::Vector& start, const PixelChoice& choice) {
+    Region box = region_of_grid(homography_of(start) * model.local.local_from_normalized(), model.pattern.cells(),
+                                source.lens.camera());
+    const Region bounds = source.light.bounds().moved(source.x, source.y);
+    box = box.grown(2).intersected(bounds);
+    const auto gather = [&](double step) {
+        std::vector<TagPixel> pixels;
+        int even = 0;
+        visit_pixels(box, step, [&](int x, int y) {
+            const Eigen::Vector2d local = model.local.from_normalized(source.lens.normalized_from_pixel(x, y));
+            if (!local.allFinite()) return;
             const TagImageModel::Place at = model.place(start, local.x(), local.y());
-            if (!at.in_view || !model.pattern.is_known(at.a, at.b)) continue;
+            if (!at.in_view || !model.pattern.is_known(at.a, at.b)) return;
             const double px_per_cell = 1 / std::max(at.cells_per_px_a, at.cells_per_px_b);
-            const bool near_edge = model.pattern.distance_to_edge(at.a, at.b) * px_per_cell < band_px;
-            if (!near_edge && (x & 3 || y & 3)) continue;
-            pixels.push_back({local.x(), local.y(), light.at(x, y), false});
-        }
-    }
-    // A tag that fills a 4K frame has more edge pixels than its corners need.
-    constexpr std::size_t most_pixels = 3000;
-    if (pixels.size() > most_pixels) {
-        const double step = static_cast<double>(pixels.size()) / most_pixels;
-        for (std::size_t i = 0; i < most_pixels; ++i) pixels[i] = pixels[static_cast<std::size_t>(double(i) * step)];
-        pixels.resize(most_pixels);
-    }
+            const bool near_edge = model.pattern.distance_to_edge(at.a, at.b) * px_per_cell < choice.band_px;
+            constexpr int even_step = 16;  // of those that see no edge, enough to tell the light
+            if (!near_edge && even++ % even_step != 0) return;
+            pixels.push_back({local.x(), local.y(), source.light.at(x - source.x, y - source.y), false,
+                              at.cells_per_px_a, at.cells_per_px_b, at.axes_cosine});
+        });
+        return pixels;
+    };
+    // A tag that fills a 4K frame has more edge pixels than its corners need: a sparse look tells how many.
+    const double area = static_cast<double>(box.width) * box.height;
+    const double sparse = std::max(1.0, area / 2000);
+    std::vector<TagPixel> pixels = gather(sparse);
+    const double step = std::max(1.0, static_cast<double>(pixels.size()) * sparse / static_cast<double>(choice.most));
+    if (step < sparse) pixels = gather(step);
     return pixels;
 }
 
 FlatLight fit_flat_light(const TagImageModel& model, const TagParameters::Vector& p,
-                         const std::vector<TagPixel>& pixels, std::size_t stride) {
+                         const std::vector<TagPixel>& pixels) {
     Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
     Eigen::Vector2d right = Eigen::Vector2d::Zero();
     double total = 0;
+    const TagImage image(model, p);
     PixelModel at;
-    for (std::size_t i = 0; i < pixels.size(); i += stride) {
-        if (!model.evaluate(p, pixels[i], at)) continue;
+    for (const TagPixel& pixel : pixels) {
+        if (!image.at(pixel, at)) continue;
         const Eigen::Vector2d shares(at.paper, 1 - at.paper);
         normal += shares * shares.transpose();
-        right += shares * pixels[i].light;
-        total += pixels[i].light * pixels[i].light;
+        right += shares * pixel.light;
+        total += pixel.light * pixel.light;
     }
     normal.diagonal().array() += 1e-9;
     const Eigen::Vector2d light = normal.ldlt().solve(right);
@@ -121,9 +142,10 @@ FlatLight fit_flat_light(const TagImageModel& model, const TagParameters::Vector
 CellCheck check_cells(const TagImageModel& model, const TagParameters::Vector& parameters, double residual_scale,
                       std::vector<TagPixel>& pixels) {
     HalfCells halves(model.pattern.cells());
+    const TagImage image(model, parameters);
     PixelModel at;
     for (const TagPixel& pixel : pixels) {
-        if (!model.evaluate(parameters, pixel, at)) continue;
+        if (!image.at(pixel, at)) continue;
         constexpr double nearly = 0.03;  // of all paper or all ink
         if (at.paper > nearly && at.paper < 1 - nearly) continue;
         const TagImageModel::Place place = model.place(parameters, pixel.x, pixel.y);

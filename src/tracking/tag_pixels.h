@@ -15,18 +15,29 @@ namespace matchlight {
 /// camera's horizon.
 Region region_of_grid(const Eigen::Matrix3d& grid_from_normalized, int cells, const Camera& camera);
 
-/// Pixels on cells whose neighbourhood is known: all within `band_px` of an edge, every sixteenth elsewhere, and no
-/// more than a fit needs.
-std::vector<TagPixel> gather_pixels(const ImageF& light, const LensGrid& lens, const TagImageModel& model,
-                                    const TagParameters::Vector& start, double band_px);
+/// The part of a plate that a fit looks at.
+struct FitSource {
+    const ImageF& light;  // linear
+    int x = 0, y = 0;     // of its first pixel, in the plate
+    const LensGrid& lens;
+    double clipped_light = 1;  // the level above which light is only a lower bound
+};
+
+struct PixelChoice {
+    double band_px = 0;    // all pixels this near to an edge are wanted, and every sixteenth elsewhere
+    std::size_t most = 0;  // about: where there are more, evenly spread ones are taken
+};
+
+/// Pixels on cells whose neighbourhood is known.
+std::vector<TagPixel> gather_pixels(const FitSource& source, const TagImageModel& model,
+                                    const TagParameters::Vector& start, const PixelChoice& choice);
 
 /// Paper and ink that fit best for given geometry, flat over the tag, and the squares that remain.
 struct FlatLight {
     double paper = 0, ink = 0, squares = 0;
 };
-/// Over every `stride`th pixel.
 FlatLight fit_flat_light(const TagImageModel& model, const TagParameters::Vector& parameters,
-                         const std::vector<TagPixel>& pixels, std::size_t stride);
+                         const std::vector<TagPixel>& pixels);
 
 /// What the even parts of half cells say about the fit.
 struct CellCheck {

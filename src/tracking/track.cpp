@@ -44,8 +44,13 @@ public:
             probe = placed(load_probe(scene_.probe->path, scene_.probe->mapping, warnings_), scene_.probe->placement);
         }
 
-        ClipObservations clip = observe_clip(*source, scene_.tags, solve_.camera, solve_.response,
-                                             {options_.first_frame, options_.last_frame, 0, options_.quiet});
+        ObserveOptions observing;
+        observing.first_frame = options_.first_frame;
+        observing.last_frame = options_.last_frame;
+        observing.level = options_.level;
+        observing.corners = options_.corners;
+        observing.quiet = options_.quiet;
+        ClipObservations clip = observe_clip(*source, scene_.tags, solve_.camera, solve_.response, observing);
         if (clip.frames.empty()) throw InputError(scene_.footage.video, "has no frame in the range asked for");
         summary_.foreign_ids = clip.foreign_ids;
         check_anything_seen(clip, *source);

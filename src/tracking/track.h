@@ -14,8 +14,12 @@ namespace matchlight {
 /// How much is done for the pose. `fast` keeps up with footage; `final_` is what a render deserves.
 enum class TrackLevel { fast, normal, final_ };
 
+/// Where a tag's corners come from: AprilTag's library, on linear light, or the fit of the tag's known image.
+enum class CornerMethod { apriltag, fit };
+
 struct TrackOptions {
     TrackLevel level = TrackLevel::final_;
+    CornerMethod corners = CornerMethod::fit;
     std::int64_t first_frame = 0;
     std::optional<std::int64_t> last_frame;  // included
     bool strict = false;                     // damaged footage is an error

@@ -159,7 +159,7 @@ TEST(GreyCard, ReadsPaperMinusInk) {
     tag.pattern = TagFamily("tag36h11").pattern(3);
     const ImageF albedo = test::render_light(view, {tag});
     const LensGrid lens(view.camera);
-    const auto fit = fit_tag(albedo, 2, lens, tag.pattern, test::rough_detection(view, tag, 0.5));
+    const auto fit = fit_tag({albedo, 0, 0, lens, 2}, tag.pattern, test::rough_detection(view, tag, 0.5));
     ASSERT_TRUE(fit);
     const std::array<double, 3> light{0.9, 0.8, 0.5};
     const PlateFrame frame = photographed(albedo, light);

@@ -48,7 +48,7 @@ double rms(const Eigen::Matrix<double, 2, 4>& error) {
 
 std::optional<TagImageFit> fitted(const SyntheticView& view, const SyntheticTag& tag, double start_error_px = 0.7) {
     const LensGrid lens(view.camera);
-    return fit_tag(render_light(view, {tag}), never_clipped, lens, tag.pattern,
+    return fit_tag({render_light(view, {tag}), 0, 0, lens, never_clipped}, tag.pattern,
                    rough_detection(view, tag, start_error_px));
 }
 
@@ -165,7 +165,8 @@ TEST(TagFit, AnOccluderOverAQuarterIsVotedOut) {
             if (x > middle.x() && y > middle.y()) light.at(x, y) = 0.45f;
         }
     }
-    const auto fit = fit_tag(light, never_clipped, LensGrid(view.camera), tag.pattern, rough_detection(view, tag, 0.5));
+    const auto fit =
+        fit_tag({light, 0, 0, LensGrid(view.camera), never_clipped}, tag.pattern, rough_detection(view, tag, 0.5));
     ASSERT_TRUE(fit);
     EXPECT_LT(rms(error_px(view, tag, *fit)), 0.3);
 }
@@ -175,11 +176,11 @@ TEST(TagFit, ADecoyIsNoTag) {
     const SyntheticTag printed = tag_of("tag36h11", 5);
     const ImageF light = render_light(view, {printed});
     // The same square with another id's cells, and the same cells turned by 90°.
-    EXPECT_FALSE(fit_tag(light, never_clipped, LensGrid(view.camera), TagFamily("tag36h11").pattern(6),
+    EXPECT_FALSE(fit_tag({light, 0, 0, LensGrid(view.camera), never_clipped}, TagFamily("tag36h11").pattern(6),
                          rough_detection(view, printed, 0)));
     TagDetection turned = rough_detection(view, printed, 0);
     std::rotate(turned.corners_px.begin(), turned.corners_px.begin() + 1, turned.corners_px.end());
-    EXPECT_FALSE(fit_tag(light, never_clipped, LensGrid(view.camera), printed.pattern, turned));
+    EXPECT_FALSE(fit_tag({light, 0, 0, LensGrid(view.camera), never_clipped}, printed.pattern, turned));
 }
 
 TEST(TagFit, AMirroredTagIsNotDetected) {
@@ -210,7 +211,7 @@ TEST(TagFit, ATagInDeepShadowIsFoundWhenShadowsAreLifted) {
     EXPECT_TRUE(detector.detect(detection_image(light)).empty());
     const auto detections = detector.detect(detection_image(light, DetectionScale::perceptual));
     ASSERT_EQ(detections.size(), 1u);
-    const auto fit = fit_tag(light, never_clipped, LensGrid(view.camera), tag.pattern, detections[0]);
+    const auto fit = fit_tag({light, 0, 0, LensGrid(view.camera), never_clipped}, tag.pattern, detections[0]);
     ASSERT_TRUE(fit);
     EXPECT_LT(rms(error_px(view, tag, *fit)), 0.03);  // in linear light, whatever the detector saw
 }
@@ -227,7 +228,7 @@ TEST_P(EveryFamily, IsDetectedAndRefined) {
     const auto detections = detector.detect(detection_image(light));
     ASSERT_EQ(detections.size(), 1u);
     EXPECT_EQ(detections[0].id, 4);
-    const auto fit = fit_tag(light, never_clipped, LensGrid(view.camera), tag.pattern, detections[0]);
+    const auto fit = fit_tag({light, 0, 0, LensGrid(view.camera), never_clipped}, tag.pattern, detections[0]);
     ASSERT_TRUE(fit);
     EXPECT_TRUE(fit->observation.refined);
     EXPECT_LT(rms(error_px(view, tag, *fit)), 0.06);
