@@ -55,8 +55,8 @@ private:
         ended_ = true;  // also when decoding throws: the other workers stop
         if (stop_requested()) throw InputError(source_.info().path, "stopped on request");
         std::optional<PlateFrame> frame = source_.next();
-        if (frame && last_frame_ && frame->index() > *last_frame_) frame.reset();
-        ended_ = !frame;
+        ended_ = !frame || (last_frame_ && frame->index() > *last_frame_);
+        if (ended_) return std::nullopt;
         return frame;
     }
 

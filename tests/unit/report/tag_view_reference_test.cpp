@@ -154,7 +154,8 @@ TEST(TagViewReference, AgreesWithTheFitThroughALens) {
         rough.corners_px[static_cast<std::size_t>(i)] = corners.col(i) + Eigen::Vector2d(0.4 * i - 0.6, 0.3);
     }
     constexpr double never_clipped = 2;
-    const auto fit = fit_tag(reference_light(view), never_clipped, LensGrid(view.camera), view.tags[0].pattern, rough);
+    const auto fit =
+        fit_tag({reference_light(view), 0, 0, LensGrid(view.camera), never_clipped}, view.tags[0].pattern, rough);
     ASSERT_TRUE(fit);
     EXPECT_LT((fit->observation.corners_px - corners).cwiseAbs().maxCoeff(), 0.01);
 }
