@@ -1,12 +1,15 @@
-// Sampling of paper and ink.
+// Sampling of paper and ink, cell by cell.
 #include "tracking/grey_card.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "tracking/robust_plane.h"
 #include "tracking/tag_pixels.h"
 
 namespace matchlight {
@@ -14,32 +17,21 @@ namespace matchlight {
 namespace {
 
 struct PurePixel {
-    std::array<float, 3> light{};
+    std::array<float, 3> code{};
+    int x = 0, y = 0;
+    double a = 0, b = 0;   // on the tag's grid
     double margin_px = 0;  // distance to the nearest edge
+};
+
+/// The pure pixels of one cell, row by row.
+struct PureCell {
     bool paper = false;
+    std::vector<PurePixel> pixels;
 };
 
-struct TrimmedMean {
-    double mean = 0, standard_error = 0;
-};
-
-/// Mean of the middle half: a glint or a shadow over less than a quarter of the cells moves it little.
-TrimmedMean interquartile_mean(std::vector<double> values) {
-    const std::size_t from = values.size() / 4, to = values.size() - from;
-    const auto at = [&](std::size_t index) { return values.begin() + static_cast<std::ptrdiff_t>(index); };
-    std::nth_element(values.begin(), at(from), values.end());
-    std::nth_element(at(from), at(to - 1), values.end());
-    double sum = 0;
-    for (std::size_t i = from; i < to; ++i) sum += values[i];
-    const double mean = sum / static_cast<double>(to - from);
-    // For normal noise the quartiles lie ±0.674 σ from the mean; neighbouring pixels share coding noise, so a quarter
-    // of them count as independent.
-    const double sigma = (values[to - 1] - values[from]) / (2 * 0.674);
-    return {mean, sigma / std::sqrt(0.25 * static_cast<double>(values.size()))};
-}
-
-std::vector<PurePixel> pure_pixels(const PlateFrame& frame, const PlateLight& plate_light, const LensGrid& lens,
-                                   const BlurredPattern& pattern, const TagImageFit& fit) {
+/// By place in the grid. Of large tags some rows do for every cell.
+std::vector<PureCell> pure_cells(const PlateFrame& frame, const LensGrid& lens, const BlurredPattern& pattern,
+                                 const TagPattern& tag, const TagImageFit& fit) {
     const Region frame_bounds{0, 0, frame.format().width, frame.format().height};
     const Region box =
         region_of_grid(fit.grid_from_normalized, pattern.cells(), lens.camera()).intersected(frame_bounds);
@@ -47,23 +39,174 @@ std::vector<PurePixel> pure_pixels(const PlateFrame& frame, const PlateLight& pl
     const double cell_px = std::min(fit.cell_px[0], fit.cell_px[1]);
     const double blur_px = std::max(fit.observation.blur_px[0], fit.observation.blur_px[1]);
     const double least_margin_px = std::max(1.0, 2.5 * blur_px);
-    const ImageF light = plate_light.rgb(frame, box);
-    std::vector<PurePixel> pixels;
-    for (int y = 0; y < box.height; ++y) {
+    constexpr double rows_per_cell = 8;
+    const int row_step = std::max(1, static_cast<int>(cell_px / rows_per_cell));
+    std::vector<PureCell> cells(static_cast<std::size_t>(tag.cells) * static_cast<std::size_t>(tag.cells));
+    for (int y = 0; y < tag.cells; ++y) {
+        for (int x = 0; x < tag.cells; ++x) {
+            cells[static_cast<std::size_t>(y * tag.cells + x)].paper = tag.at(x, y) == TagPattern::white;
+        }
+    }
+    for (int y = 0; y < box.height; y += row_step) {
+        const ImageF code = frame.rgb_code({box.x, box.y + y, box.width, 1});
         for (int x = 0; x < box.width; ++x) {
             const Eigen::Vector2d normalized = lens.normalized_from_pixel(box.x + x, box.y + y);
             const Eigen::Vector3d grid = fit.grid_from_normalized * normalized.homogeneous();
             const double a = grid.x() / grid.z(), b = grid.y() / grid.z();
-            if (!pattern.is_known(a, b)) continue;
+            if (!(a >= 0 && b >= 0 && a < tag.cells && b < tag.cells)) continue;
+            const int column = static_cast<int>(a), row = static_cast<int>(b);
+            if (tag.at(column, row) == TagPattern::unknown || !pattern.is_known(a, b)) continue;
             const double margin_px = pattern.distance_to_edge(a, b) * cell_px;
             if (margin_px < least_margin_px) continue;
-            const AxisFootprint sharp{1e-3, 1e-3};
-            const float* sample = light.pixel(x, y);
-            pixels.push_back(
-                {{sample[0], sample[1], sample[2]}, margin_px, pattern.at(a, b, sharp, sharp, 0).paper > 0.5});
+            const float* sample = code.pixel(x, 0);
+            cells[static_cast<std::size_t>(row * tag.cells + column)].pixels.push_back(
+                {{sample[0], sample[1], sample[2]}, x, y, a, b, margin_px});
         }
     }
-    return pixels;
+    return cells;
+}
+
+/// Mean of the values within three standard deviations of the median, which has no bias towards single codes as a
+/// trimmed mean of few levels has.
+double mean_near_median(const std::vector<double>& values, double step) {
+    const double median = upper_median(values);
+    std::vector<double> away;
+    away.reserve(values.size());
+    for (const double value : values) away.push_back(std::abs(value - median));
+    const double reach = 3 * std::max(1.4826 * upper_median(away), step);
+    double sum = 0;
+    int count = 0;
+    for (const double value : values) {
+        if (std::abs(value - median) > reach) continue;
+        sum += value;
+        ++count;
+    }
+    return sum / count;
+}
+
+/// One cell in one channel.
+struct CellCode {
+    double a = 0, b = 0;  // mean place from the tag's centre, in half sides
+    double code = 0;
+    double count = 0;
+    double noise_variance = 0;   // about a plane of its own
+    double neighbour_share = 0;  // covariance of horizontal neighbours
+    int freedom = 0;             // of noise_variance; 0: too few pixels
+};
+
+void measure_noise(const std::vector<PurePixel>& pixels, std::size_t channel, CellCode& cell) {
+    // A plane takes three degrees of freedom; what is left must be worth a variance.
+    constexpr std::size_t enough = 12;
+    if (pixels.size() < enough) return;
+    double x0 = 0, y0 = 0;
+    for (const PurePixel& pixel : pixels) {
+        x0 += pixel.x;
+        y0 += pixel.y;
+    }
+    const auto count = static_cast<double>(pixels.size());
+    x0 /= count;
+    y0 /= count;
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const PurePixel& pixel : pixels) {
+        const Eigen::Vector3d row(1, pixel.x - x0, pixel.y - y0);
+        normal += row * row.transpose();
+        right += row * pixel.code[channel];
+    }
+    const Eigen::LDLT<Eigen::Matrix3d> solver(normal);
+    if (!(solver.vectorD().minCoeff() > 0.1)) return;  // pixels in one line
+    const Eigen::Vector3d plane = solver.solve(right);
+    double squares = 0, products = 0, before = 0;
+    int pairs = 0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const PurePixel& pixel = pixels[i];
+        const double residual = pixel.code[channel] - plane.dot(Eigen::Vector3d(1, pixel.x - x0, pixel.y - y0));
+        squares += residual * residual;
+        if (i > 0 && pixels[i - 1].y == pixel.y && pixels[i - 1].x + 1 == pixel.x) {
+            products += residual * before;
+            ++pairs;
+        }
+        before = residual;
+    }
+    cell.freedom = static_cast<int>(pixels.size()) - 3;
+    cell.noise_variance = squares / cell.freedom;
+    // The plane takes about three of `count` parts of the variance from every product of residuals.
+    cell.neighbour_share = pairs > 0 ? products / pairs + 3 / count * cell.noise_variance : 0;
+}
+
+/// Noise of all cells together, without those that show more than noise: a smudge, an edge.
+void pool_noise(const std::vector<CellCode>& cells, CardCode& card) {
+    std::vector<double> variances;
+    for (const CellCode& cell : cells) {
+        if (cell.freedom > 0) variances.push_back(cell.noise_variance);
+    }
+    if (variances.empty()) return;
+    // A variance of nine degrees of freedom, the fewest, exceeds 3 times its median once in several hundred cells.
+    const double most = 3 * upper_median(variances);
+    double squares = 0, products = 0;
+    for (const CellCode& cell : cells) {
+        if (cell.freedom == 0 || cell.noise_variance > most) continue;
+        squares += cell.noise_variance * cell.freedom;
+        products += cell.neighbour_share * cell.freedom;
+        card.noise_freedom += cell.freedom;
+    }
+    if (card.noise_freedom == 0) return;
+    card.noise = std::sqrt(squares / card.noise_freedom);
+    card.neighbour_correlation = squares > 0 ? products / squares : 0;
+}
+
+CardCode read_surface(const std::vector<PureCell>& pure, bool paper, std::size_t channel, int grid_cells, double step) {
+    std::size_t clipped = 0, count = 0;
+    std::vector<CellCode> cells;
+    const double centre = 0.5 * grid_cells;
+    for (const PureCell& members : pure) {
+        if (members.paper != paper || members.pixels.empty()) continue;
+        CellCode cell;
+        std::vector<double> codes;
+        for (const PurePixel& pixel : members.pixels) {
+            cell.a += (pixel.a - centre) / centre;
+            cell.b += (pixel.b - centre) / centre;
+            codes.push_back(pixel.code[channel]);
+            clipped += pixel.code[channel] >= PlateLight::clipped_code;
+        }
+        count += codes.size();
+        cell.count = static_cast<double>(codes.size());
+        cell.a /= cell.count;
+        cell.b /= cell.count;
+        cell.code = mean_near_median(codes, step);
+        measure_noise(members.pixels, channel, cell);
+        cells.push_back(cell);
+    }
+    CardCode card;
+    std::vector<PlaneSample> samples;
+    for (const CellCode& cell : cells) samples.push_back({cell.a, cell.b, cell.code, cell.count});
+    const PlaneFit plane = fit_robust_plane(samples, 0.25 * step);
+    card.code = plane.value;
+    card.standard_error = plane.standard_error;
+    pool_noise(cells, card);
+    // A few clipped pixels are noise or a glint, and left out; more, and the mean is only a lower bound.
+    card.clipped = clipped * 10 >= count || card.code >= PlateLight::clipped_code;
+    // Rounding shifts the mean of all pixels alike by up to half a step unless noise dithers it: the shift's first
+    // harmonic falls as exp(−2π²σ²) of the noise in steps (Widrow, "Statistical analysis of amplitude-quantized
+    // sampled-data systems", 1961).
+    const double dither = card.noise / step;
+    const double rounding =
+        step / std::sqrt(12.0) * std::exp(-2 * std::numbers::pi * std::numbers::pi * dither * dither);
+    card.standard_error = std::hypot(card.standard_error, rounding);
+    return card;
+}
+
+struct LightOfCode {
+    double light = 0, error = 0;
+};
+
+LightOfCode light_of(const CardCode& card, const PlateLight& plate_light, int channel) {
+    // The mean light of noisy codes lies above the light of their mean by half the curvature times the variance.
+    const auto at = [&](double code) { return plate_light.light_from_code(static_cast<float>(code), channel); };
+    const double spread = std::max(card.noise, 1e-3);
+    const double above = at(card.code + spread), below = at(card.code - spread);
+    const double middle = at(card.code);
+    return {card.noise > 0 ? 0.5 * (above + below) : middle, (above - below) / (2 * spread) * card.standard_error};
 }
 
 }  // namespace
@@ -71,36 +214,48 @@ std::vector<PurePixel> pure_pixels(const PlateFrame& frame, const PlateLight& pl
 std::optional<CardReading> read_card(const PlateFrame& frame, const PlateLight& plate_light, const LensGrid& lens,
                                      const TagPattern& tag, const TagImageFit& fit) {
     const BlurredPattern pattern(tag);
-    std::vector<PurePixel> pixels = pure_pixels(frame, plate_light, lens, pattern, fit);
+    std::vector<PureCell> cells = pure_cells(frame, lens, pattern, tag, fit);
     constexpr double chroma_margin_px = 2.5;
     constexpr std::ptrdiff_t enough_pixels = 40, fewest_pixels = 12;
     const auto count_of = [&](bool paper, double margin_px) {
-        return std::ranges::count_if(pixels,
-                                     [&](const PurePixel& p) { return p.paper == paper && p.margin_px >= margin_px; });
+        std::ptrdiff_t count = 0;
+        for (const PureCell& cell : cells) {
+            if (cell.paper != paper) continue;
+            count += std::ranges::count_if(cell.pixels, [&](const PurePixel& p) { return p.margin_px >= margin_px; });
+        }
+        return count;
     };
     if (count_of(true, chroma_margin_px) >= enough_pixels && count_of(false, chroma_margin_px) >= enough_pixels) {
-        std::erase_if(pixels, [&](const PurePixel& p) { return p.margin_px < chroma_margin_px; });
+        for (PureCell& cell : cells) {
+            std::erase_if(cell.pixels, [&](const PurePixel& p) { return p.margin_px < chroma_margin_px; });
+        }
     }
     if (count_of(true, 0) < fewest_pixels || count_of(false, 0) < fewest_pixels) return std::nullopt;
 
+    const PlateFormat& format = frame.format();
     CardReading reading;
     reading.id = fit.observation.id;
+    const double full_scale = std::exp2(format.bit_depth) - 1;
+    const double limited_share = format.range == ColorRange::limited && format.matrix != ColorMatrix::rgb
+                                     ? 219.0 / 255
+                                     : 1.0;  // ITU-R BT.709: 219 of 255 codes from black to white
+    reading.code_step = 1 / (full_scale * limited_share);
+    const Eigen::Vector2d middle((format.width - 1) / 2.0, (format.height - 1) / 2.0);
+    reading.radius =
+        (fit.observation.corners_px.rowwise().mean() - middle).norm() / (0.5 * std::hypot(format.width, format.height));
     for (std::size_t channel = 0; channel < 3; ++channel) {
-        std::vector<double> paper, ink;
-        std::size_t clipped = 0;
-        for (const PurePixel& pixel : pixels) {
-            (pixel.paper ? paper : ink).push_back(pixel.light[channel]);
-            if (pixel.paper && pixel.light[channel] >= plate_light.clipped_light(static_cast<int>(channel))) ++clipped;
-        }
-        const TrimmedMean white = interquartile_mean(paper), black = interquartile_mean(ink);
-        // A few clipped pixels are noise or a glint, and trimmed away; more, and the mean is only a lower bound.
-        const bool clipped_paper = clipped * 10 >= paper.size();
+        const int c = static_cast<int>(channel);
+        CardCode& paper = reading.paper_code[channel];
+        CardCode& ink = reading.ink_code[channel];
+        paper = read_surface(cells, true, channel, pattern.cells(), reading.code_step);
+        ink = read_surface(cells, false, channel, pattern.cells(), reading.code_step);
+        const LightOfCode white = light_of(paper, plate_light, c), black = light_of(ink, plate_light, c);
         constexpr double darkest = 1e-4;  // below a fortieth of an 8-bit code nothing is known
-        const double difference = white.mean - black.mean;
-        reading.difference[channel] = {
-            difference, std::hypot(white.standard_error, black.standard_error) / std::max(difference, darkest),
-            !clipped_paper && difference > darkest};
-        reading.ink[channel] = {black.mean, black.standard_error / std::max(black.mean, darkest), black.mean > darkest};
+        const double difference = white.light - black.light;
+        reading.difference[channel] = {difference, std::hypot(white.error, black.error) / std::max(difference, darkest),
+                                       !paper.clipped && difference > darkest};
+        reading.ink[channel] = {black.light, black.error / std::max(black.light, darkest),
+                                !ink.clipped && black.light > darkest};
     }
     return reading;
 }

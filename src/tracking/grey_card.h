@@ -1,4 +1,4 @@
-// A tag's paper and ink as a grey card: how much light they send to the camera.
+// A tag's paper and ink as a grey card: how much light they send to the camera, and how it is coded.
 #pragma once
 
 #include <array>
@@ -16,18 +16,32 @@ struct CardLight {
     bool usable = false;
 };
 
-/// Linear plate light that a tag's surfaces send, per channel.
+/// The code values (0..1 of full scale) of paper or of ink in one channel, at the tag's centre.
+struct CardCode {
+    double code = 0;
+    double standard_error = 0;
+    double noise = 0;                  // standard deviation of one pixel
+    double neighbour_correlation = 0;  // of the noise of horizontal neighbours
+    int noise_freedom = 0;             // degrees of freedom behind `noise`; 0: not known
+    bool clipped = false;
+};
+
+/// Linear plate light that a tag's surfaces send, per channel, and the codes it was read from.
 struct CardReading {
     int id = 0;
     /// Paper minus ink: what lies on both alike (gloss, veiling glare) drops out.
     std::array<CardLight, 3> difference;
     /// Ink alone, which is still seen when paper is clipped.
     std::array<CardLight, 3> ink;
+    std::array<CardCode, 3> paper_code, ink_code;
+    double radius = 0;     // of the tag's centre from the frame's; 1 = the frame's corner
+    double code_step = 0;  // between neighbouring codes of the footage
 };
 
-/// Interquartile means over pixels that see nothing but paper, or nothing but ink: at least 2.5 px from any edge where
-/// the cells are large enough (chroma is shared by two pixels), outside the fitted blur in any case. nullopt when the
-/// tag is too small or blurred for that, or lies partly outside.
+/// Reads pixels that see nothing but paper, or nothing but ink: at least 2.5 px from any edge where the cells are large
+/// enough (chroma is shared by two pixels), outside the fitted blur in any case. Each cell gives a mean that a glint
+/// inside it does not move; a plane through the cells, robust against those in a shadow, gives the value at the centre.
+/// nullopt when the tag is too small or blurred for that, or lies partly outside.
 std::optional<CardReading> read_card(const PlateFrame& frame, const PlateLight& plate_light, const LensGrid& lens,
                                      const TagPattern& tag, const TagImageFit& fit);
 

@@ -7,31 +7,41 @@
 
 #include "lighting/probe.h"
 #include "tracking/photometry.h"
+#include "tracking/probe_card.h"
 
 namespace matchlight {
 
 namespace {
 
-/// What each tag would send to the camera under the probe, tags nearest its place weighing most.
+/// What each tag would send to the camera under the probe; what the probe shows of the tags themselves comes first,
+/// then the tags nearest its place.
 std::map<int, CardExpectation> expectations(const ClipContext& context, const RigSolution& rig) {
+    const TagSettings& tags = context.scene.tags;
+    const TagFamily family(tags.family);
+    const std::optional<Eigen::Vector3d> probe_place_m =
+        context.scene.probe ? context.scene.probe->place_m : std::nullopt;
     std::map<int, CardExpectation> expected;
-    const double albedo_difference = context.scene.tags.white_albedo - context.scene.tags.black_albedo;
-    for (const auto& [id, place] : rig.world_from_tag) {
-        CardExpectation card;
-        if (context.probe) {
-            const Eigen::Vector3d light = irradiance(*context.probe, place.linear() * Eigen::Vector3d::UnitZ());
-            for (std::size_t c = 0; c < 3; ++c) {
-                const double reflected = light[static_cast<Eigen::Index>(c)] / std::numbers::pi;
-                card.difference[c] = albedo_difference * reflected;
-                card.ink[c] = context.scene.tags.black_albedo * reflected;
-            }
-            if (context.scene.probe->place_m) {
-                constexpr double near_m = 0.05;  // closer than this, the probe's own size blurs the difference
-                const double distance = (place.translation() - *context.scene.probe->place_m).norm();
-                card.weight = 1 / (distance * distance + near_m * near_m);
-            }
+    for (const RigTag& tag : tags.rig) {
+        const auto found = rig.world_from_tag.find(tag.id);
+        if (found == rig.world_from_tag.end()) continue;
+        const RigidTransform& place = found->second;
+        CardExpectation& card = expected[tag.id];
+        card.place_m = place.translation() - probe_place_m.value_or(Eigen::Vector3d::Zero());
+        if (!context.probe) continue;
+        const Eigen::Vector3d light = irradiance(*context.probe, place.linear() * Eigen::Vector3d::UnitZ());
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double reflected = light[static_cast<Eigen::Index>(c)] / std::numbers::pi;
+            card.difference[c] = (tags.white_albedo - tags.black_albedo) * reflected;
+            card.ink[c] = tags.black_albedo * reflected;
         }
-        expected[id] = card;
+        if (!probe_place_m) continue;
+        constexpr double near_m = 0.05;  // closer than this, the probe's own size blurs the difference
+        card.weight = 1 / (card.place_m.squaredNorm() + near_m * near_m);
+        card.shown_difference =
+            card_in_probe(*context.probe, *probe_place_m, family.pattern(tag.id), {tag.size_m, place});
+        // A measured tag is good to a percent or two, an assumed albedo and a light assumed even to five or more: ten
+        // times the variance.
+        if (card.shown_difference) card.weight *= 10;
     }
     return expected;
 }
@@ -51,6 +61,8 @@ void solve_photometry_stage(const ClipContext& context, const ClipObservations& 
         solve.frames[f].white_balance = frame->white_balance;
         solve.frames[f].exposure_confidence = frame->confidence;
     }
+    if (photometry.vignette) solve.vignette = photometry.vignette->gain;
+    solve.light_gradient_ev_per_m = photometry.light_gradient_ev_per_m;
     const std::string file = context.scene.footage.video.string();
     if (!any) {
         context.warnings.add(file +
