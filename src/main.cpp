@@ -26,6 +26,7 @@ const std::vector<AddCommand> command_table = {
     matchlight::add_render_command,
     matchlight::add_preview_command,
     matchlight::add_report_command,
+    matchlight::add_export_command,
     matchlight::add_compare_command,
     matchlight::add_doctor_command,
 };

@@ -18,6 +18,7 @@ struct CommandContext {
 // One function a command: adds its subcommand to `app`; its callback runs the job and throws InputError to fail.
 void add_compare_command(CLI::App& app, CommandContext& context);
 void add_doctor_command(CLI::App& app, CommandContext& context);
+void add_export_command(CLI::App& app, CommandContext& context);
 void add_lens_command(CLI::App& app, CommandContext& context);
 void add_preview_command(CLI::App& app, CommandContext& context);
 void add_probe_command(CLI::App& app, CommandContext& context);

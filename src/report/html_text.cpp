@@ -1,4 +1,4 @@
-// Entities, and PNG in base 64 (RFC 4648).
+// Entities, and pictures as data URLs.
 #include "report/html_text.h"
 
 #include <cassert>
@@ -9,23 +9,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/base64.h"
+
 namespace matchlight {
-namespace {
-
-std::string base64(const std::vector<std::uint8_t>& bytes) {
-    static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-        std::uint32_t bits = 0;
-        for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? bytes[i + k] : 0u);
-        for (std::size_t k = 0; k < 4; ++k) text += k <= count ? digits[bits >> (18 - 6 * k) & 63u] : '=';
-    }
-    return text;
-}
-
-}  // namespace
 
 std::string html_text(const std::string& text) {
     std::string html;

@@ -2,32 +2,24 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 
-#include "core/atomic_file.h"
+#include "core/output_folder.h"
 #include "report/report.h"
 
 namespace matchlight {
 
 class ReportFolder {
 public:
-    /// Makes the folder where it is not there yet, and holds it for this run. Throws InputError: its parent does not
-    /// exist, it is not writable, a report is in it already (unless `overwrite`).
-    ReportFolder(std::filesystem::path folder, bool overwrite);
-    /// Takes a folder that it made away again when nothing was written.
-    ~ReportFolder();
-    ReportFolder(const ReportFolder&) = delete;
-    ReportFolder& operator=(const ReportFolder&) = delete;
+    /// Holds the folder for this run. Throws InputError as OutputFolder does.
+    ReportFolder(const std::filesystem::path& folder, bool overwrite);
 
     /// report.html, report.csv and report.json. Throws InputError.
     void write(const Report& report) const;
 
-    std::filesystem::path page() const { return folder_ / "report.html"; }
+    std::filesystem::path page() const { return files_.path() / "report.html"; }
 
 private:
-    std::filesystem::path folder_;
-    bool made_ = false;
-    std::optional<OutputLock> lock_;
+    OutputFolder files_;
 };
 
 }  // namespace matchlight

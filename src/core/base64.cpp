@@ -1,0 +1,21 @@
+// Three bytes become four of 64 characters; '=' fills the last four up.
+#include "core/base64.h"
+
+#include <algorithm>
+
+namespace matchlight {
+
+std::string base64(std::span<const std::uint8_t> bytes) {
+    static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+        std::uint32_t bits = 0;
+        for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? bytes[i + k] : 0u);
+        for (std::size_t k = 0; k < 4; ++k) text += k <= count ? digits[bits >> (18 - 6 * k) & 63u] : '=';
+    }
+    return text;
+}
+
+}  // namespace matchlight
