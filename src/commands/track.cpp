@@ -2,6 +2,7 @@
 #include "tracking/track.h"
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -41,6 +42,50 @@ json counts_json(const std::map<int, std::int64_t>& counts) {
     return object;
 }
 
+template <class Value>
+json or_null(const std::optional<Value>& value) {
+    return value ? json(*value) : json(nullptr);
+}
+
+json photometry_json(const Solve& solve, const PhotometrySummary& told) {
+    json object{{"frames_measured", told.measured},     {"frames_interpolated", told.interpolated},
+                {"tags_in_probe", told.tags_in_probe},  {"exposure_range_ev", told.exposure_range_ev},
+                {"response", solve.response.to_json()}, {"response_solved", told.response_solved},
+                {"vignette", or_null(solve.vignette)},  {"vignette_corner_sigma", or_null(told.vignette_corner_sigma)}};
+    object["noise"] = nullptr;
+    if (solve.noise) {
+        object["noise"] = {{"read", (*solve.noise)[0]},
+                           {"shot", (*solve.noise)[1]},
+                           {"relative_error", or_null(told.noise_relative_error)},
+                           {"neighbour_correlation", or_null(told.noise_neighbour_correlation)}};
+    }
+    object["light_gradient_ev_per_m"] = nullptr;
+    if (solve.light_gradient_ev_per_m) {
+        const Eigen::Vector3d& gradient = *solve.light_gradient_ev_per_m;
+        object["light_gradient_ev_per_m"] = {gradient.x(), gradient.y(), gradient.z()};
+    }
+    return object;
+}
+
+std::string photometry_text(const Solve& solve, const PhotometrySummary& told) {
+    std::string text = fmt::format("  light: exposure measured in {} frames", told.measured);
+    if (told.interpolated > 0) text += fmt::format(", interpolated in {}", told.interpolated);
+    if (told.response_solved) text += fmt::format("; response {}", solve.response.to_json().dump());
+    if (solve.vignette) {
+        const auto& vignette = *solve.vignette;
+        text += fmt::format("; corners {:.0f} % (±{:.0f}) of the middle's light", 100 * (1 + vignette[0] + vignette[1]),
+                            100 * told.vignette_corner_sigma.value_or(0));
+    } else {
+        text += "; fall-off to the corners not known";
+    }
+    if (solve.noise) {
+        const auto& noise = *solve.noise;
+        text += fmt::format("; noise {:.2f} % of white at light 0.5",
+                            100 * std::sqrt(noise[0] * noise[0] + 0.5 * noise[1]));
+    }
+    return text + "\n";
+}
+
 void run_track(const TrackCall& call, CommandContext& context) {
     const Scene scene = load_scene(call.scene, context.warnings);
     if (scene.camera) {
@@ -75,11 +120,13 @@ void run_track(const TrackCall& call, CommandContext& context) {
         {"frames_by_tag", counts_json(summary.frames_by_tag)},
         {"ids_outside_the_rig", counts_json(summary.foreign_ids)},
         {"exposure_from_probe", summary.exposure_from_probe},
+        {"photometry", photometry_json(solve, summary.photometry)},
         {"seconds", seconds}};
     std::string text = fmt::format(
         "{}: {} of {} frames have a pose ({} bridged), reprojection {:.3f} px mean, {:.3f} worst\n", output.string(),
         summary.posed, summary.frames, summary.bridged, summary.mean_reprojection_px, summary.worst_reprojection_px);
     for (const auto& [id, count] : summary.frames_by_tag) text += fmt::format("  tag {}: {} frames\n", id, count);
+    text += photometry_text(solve, summary.photometry);
     print_result(context, result, text);
 }
 

@@ -22,6 +22,7 @@ struct FootageSettings {
     std::filesystem::path camera;
     std::filesystem::path solve;  // "<scene>.solve.json" beside the scene unless given
     std::optional<std::filesystem::path> response;
+    bool solve_response = false;              // response = "solve": `track` finds it
     std::optional<double> fps;                // for image sequences
     std::optional<std::string> color_matrix;  // "bt601", "bt709", "bt2020": overrides the file's tag
     std::optional<std::string> color_range;   // "limited", "full"

@@ -54,8 +54,12 @@ const std::vector<Setting> own_settings = {
     {"footage", "solve", of_kind(any_file), "", "",
      "written by `track`, read by `render`; beside the scene under its name unless given",
      [](Scene& s, const SettingValue& v) { s.footage.solve = v.path; }},
-    {"footage", "response", of_kind(input_file), "", "", "the camera's response curve; sRGB unless given",
-     [](Scene& s, const SettingValue& v) { s.footage.response = v.path; }},
+    {"footage", "response", input_file_or({"solve"}), "", "",
+     "the camera's response curve; `\"solve\"`: `track` fits one to the tags; sRGB unless given",
+     [](Scene& s, const SettingValue& v) {
+         s.footage.solve_response = !v.text.empty();
+         if (v.text.empty()) s.footage.response = v.path;
+     }},
     {"footage", "fps", above(number, 0, 10000), "1/s", "", "frame rate of an image sequence; 25 unless given",
      [](Scene& s, const SettingValue& v) { s.footage.fps = v.number; }},
     {"footage", "color_matrix", one_of({"bt601", "bt709", "bt2020"}), "", "", "overrides the file's tag",
@@ -264,6 +268,7 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
 std::string describe(const SettingDomain& domain) {
     if (domain.kind == choice) return fmt::format("{}", fmt::join(domain.choices, ", "));
     std::string words(type_name(domain.kind));
+    for (const std::string_view word : domain.choices) words += fmt::format(" or \"{}\"", word);
     if (std::isfinite(domain.lowest)) {
         words += fmt::format(", {} {}", domain.above_lowest ? "above" : "from", domain.lowest);
         if (std::isfinite(domain.highest)) words += fmt::format(" to {}", domain.highest);

@@ -26,7 +26,7 @@ enum class SettingKind {
     vector,      // [x, y, z]
     scale,       // a number for all axes, or [x, y, z]
     rotation,    // a number about z, or [x, y, z]
-    input_file,  // must exist
+    input_file,  // must exist; or one of `choices`
     footage,     // a file that exists, or a numbered pattern
     any_file,    // need not exist yet
     section,     // a table of settings of its own: "material" of "object" is section "object.material"

@@ -24,6 +24,11 @@ inline SettingDomain one_of(std::vector<std::string_view> choices) {
     return {.kind = SettingKind::choice, .choices = std::move(choices)};
 }
 
+/// A file that must exist, or one of a few words.
+inline SettingDomain input_file_or(std::vector<std::string_view> words) {
+    return {.kind = SettingKind::input_file, .choices = std::move(words)};
+}
+
 inline std::array<double, 3> color_of(const SettingValue& value) {
     return {value.vector.x(), value.vector.y(), value.vector.z()};
 }

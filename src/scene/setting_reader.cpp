@@ -154,6 +154,12 @@ SettingValue read_setting(const SceneSource& source, const Setting& setting, con
                                             : vector_of(source, setting, node);
             break;
         case SettingKind::input_file:
+            // A word that stands for itself; a file of that name is "./word".
+            if (const std::string written = text_of(source, setting, node);
+                std::ranges::find(setting.domain.choices, written) != setting.domain.choices.end()) {
+                value.text = written;
+                break;
+            }
             value.path = path_of(source, setting, node);
             check_input_file(source, setting, node, value.path);
             break;

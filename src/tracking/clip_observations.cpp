@@ -33,8 +33,8 @@ constexpr std::int64_t group_length = 8;
 /// Hands out groups of frames from one decoder, in order.
 class GroupSource {
 public:
-    GroupSource(FrameSource& source, std::optional<std::int64_t> last_frame)
-        : source_(source), last_frame_(last_frame) {}
+    GroupSource(FrameSource& source, std::optional<std::int64_t> last_frame, std::int64_t every)
+        : source_(source), last_frame_(last_frame), every_(every) {}
 
     /// Empty at the end.
     std::vector<PlateFrame> next() {
@@ -55,6 +55,7 @@ private:
         ended_ = true;  // also when decoding throws: the other workers stop
         if (stop_requested()) throw InputError(source_.info().path, "stopped on request");
         std::optional<PlateFrame> frame = source_.next();
+        while (frame && frame->index() % every_ != 0) frame = source_.next();
         ended_ = !frame || (last_frame_ && frame->index() > *last_frame_);
         if (ended_) return std::nullopt;
         return frame;
@@ -62,6 +63,7 @@ private:
 
     FrameSource& source_;
     std::optional<std::int64_t> last_frame_;
+    std::int64_t every_;
     std::mutex mutex_;
     std::optional<PlateFrame> pending_;
     bool ended_ = false;
@@ -78,10 +80,10 @@ ClipObservations observe_clip(FrameSource& source, const TagSettings& tags, cons
 
     const std::int64_t end =
         options.last_frame ? std::min(*options.last_frame + 1, source.info().frame_count) : source.info().frame_count;
-    Progress progress("track", std::max<std::int64_t>(0, end - options.first_frame), options.quiet);
+    Progress progress("track", std::max<std::int64_t>(0, end - options.first_frame) / options.every, options.quiet);
     if (options.first_frame > 0) source.seek(options.first_frame);
 
-    GroupSource groups(source, options.last_frame);
+    GroupSource groups(source, options.last_frame, options.every);
     std::mutex findings_mutex;
     std::map<std::int64_t, FrameFindings> by_frame;
     const int workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));

@@ -23,7 +23,8 @@ struct ObserveOptions {
     std::optional<std::int64_t> last_frame;  // included
     TrackLevel level = TrackLevel::final_;
     CornerMethod corners = CornerMethod::fit;
-    int decimation = 0;  // TagDetectorOptions
+    int decimation = 0;      // TagDetectorOptions
+    std::int64_t every = 1;  // frames whose number it divides are examined
     bool quiet = false;
 };
 

@@ -1,13 +1,19 @@
 // What the tags should send to the camera, against what arrived.
 #include "tracking/photometry_stage.h"
 
+#include <algorithm>
 #include <map>
 #include <numbers>
 #include <string>
 
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include "lighting/probe.h"
+#include "tracking/noise_fit.h"
 #include "tracking/photometry.h"
 #include "tracking/probe_card.h"
+#include "tracking/response_fit.h"
 
 namespace matchlight {
 
@@ -46,30 +52,84 @@ std::map<int, CardExpectation> expectations(const ClipContext& context, const Ri
     return expected;
 }
 
+double paper_over_ink(const TagSettings& tags) {
+    constexpr double least_black = 0.005;  // of any print
+    return tags.white_albedo / std::max(tags.black_albedo, least_black);
+}
+
+std::string described(const Response& response) {
+    return response.to_json().dump();
+}
+
+/// Footage whose curve is only assumed gets a warning when its tags clearly contradict it.
+void check_assumed_response(const ClipContext& context, const ClipObservations& clip, PhotometrySummary& summary) {
+    const FootageSettings& footage = context.scene.footage;
+    if (footage.response || footage.solve_response || context.footage.format.transfer != Transfer::camera) return;
+    const ResponseFit fit = fit_response(clip.cards, paper_over_ink(context.scene.tags));
+    summary.exposure_range_ev = fit.exposure_range_ev;
+    if (fit.response.family() == Response::Family::srgb) return;
+    context.warn("paper and ink do not keep their ratio under sRGB when exposure changes, but do under " +
+                 described(fit.response) + ": give the camera's response, or response = \"solve\"");
+}
+
+void take_noise(const ClipContext& context, const ClipObservations& clip, Solve& solve, PhotometrySummary& summary) {
+    const std::optional<NoiseFit> noise =
+        fit_noise(clip.cards, PlateLight(context.response, context.footage.format.transfer));
+    if (!noise) {
+        context.warn("the tags show too few even pixels, or only one level of light: noise is not known");
+        return;
+    }
+    solve.noise = {noise->read, noise->shot};
+    summary.noise_neighbour_correlation = noise->neighbour_correlation;
+    summary.noise_relative_error = noise->relative_error;
+}
+
 }  // namespace
+
+Response solved_response(const Scene& scene, const std::vector<std::vector<CardReading>>& cards, Warnings& warnings,
+                         PhotometrySummary& summary) {
+    const ResponseFit fit = fit_response(cards, paper_over_ink(scene.tags));
+    summary.exposure_range_ev = fit.exposure_range_ev;
+    summary.response_solved = fit.told;
+    if (!fit.told) {
+        warnings.add(
+            fmt::format("{}: exposure changes by {:.2f} EV on unclipped tags, too little to tell the camera's "
+                        "response: sRGB is taken",
+                        scene.footage.video.string(), fit.exposure_range_ev));
+    }
+    return fit.response;
+}
 
 void solve_photometry_stage(const ClipContext& context, const ClipObservations& clip, const GeometrySolution& geometry,
                             Solve& solve, TrackSummary& summary) {
-    const ClipPhotometry photometry = solve_photometry(clip.cards, expectations(context, geometry.rig), !context.probe);
+    const auto expected = expectations(context, geometry.rig);
+    const ClipPhotometry photometry = solve_photometry(clip.cards, expected, !context.probe);
     summary.exposure_from_probe = context.probe.has_value();
-    bool any = false;
+    PhotometrySummary& told = summary.photometry;
+    for (const auto& [id, card] : expected) told.tags_in_probe += card.shown_difference.has_value();
     for (std::size_t f = 0; f < solve.frames.size(); ++f) {
         const std::optional<FramePhotometry>& frame = photometry.frames[f];
         if (!frame) continue;
-        any = true;
+        ++(frame->measured ? told.measured : told.interpolated);
         solve.frames[f].exposure_ev = frame->exposure_ev;
         solve.frames[f].white_balance = frame->white_balance;
         solve.frames[f].exposure_confidence = frame->confidence;
     }
-    if (photometry.vignette) solve.vignette = photometry.vignette->gain;
     solve.light_gradient_ev_per_m = photometry.light_gradient_ev_per_m;
-    const std::string file = context.scene.footage.video.string();
-    if (!any) {
-        context.warnings.add(file +
-                             ": no tag is large and unclipped enough to serve as a grey card: exposure is not known");
-    } else if (!photometry.white_balance_known) {
-        context.warnings.add(file + ": red or blue is clipped on the tags in every frame: white balance is not known");
+    if (photometry.vignette) {
+        solve.vignette = photometry.vignette->gain;
+        told.vignette_corner_sigma = photometry.vignette->corner_sigma;
     }
+    if (told.measured == 0) {
+        context.warn("no tag is large and unclipped enough to serve as a grey card: exposure is not known");
+        return;
+    }
+    context.warn("frames have no readable tag: their exposure is taken from the frames around them", told.interpolated);
+    if (!photometry.white_balance_known) {
+        context.warn("red or blue is clipped on the tags in every frame: white balance is not known");
+    }
+    check_assumed_response(context, clip, told);
+    take_noise(context, clip, solve, told);
 }
 
 }  // namespace matchlight

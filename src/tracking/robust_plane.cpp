@@ -31,7 +31,9 @@ PlaneFit fit_robust_plane(const std::vector<PlaneSample>& samples, double least_
         for (const PlaneSample& sample : samples) {
             away.push_back(std::abs(sample.value - plane.dot(Eigen::Vector3d(1, sample.a, sample.b))));
         }
-        const double scale = std::max(1.4826 * upper_median(away), least_spread);
+        // Samples that agree to the last bits have no spread to judge others by.
+        const double rounding = 1e-9 * (std::abs(plane[0]) + 1e-9);
+        const double scale = std::max({1.4826 * upper_median(away), least_spread, rounding});
         Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
         Eigen::Vector3d right = Eigen::Vector3d::Zero();
         spread = weights = 0;

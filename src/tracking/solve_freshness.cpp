@@ -31,6 +31,9 @@ bool any_key(std::string_view) {
 bool is_albedo_key(std::string_view key) {
     return key == "white_albedo" || key == "black_albedo";
 }
+bool is_response_key(std::string_view key) {
+    return key == "response";
+}
 bool is_footage_name(std::string_view key) {
     return key == "video";
 }
@@ -95,8 +98,12 @@ void check_solve_is_of_scene(const Solve& solve, const Scene& scene, Warnings& w
                                           scene.footage.camera);
     if (!same_camera(camera, solve.camera)) refuse("another camera than " + scene.footage.camera.string());
 
-    const Response response = scene.footage.response ? Response::load(*scene.footage.response) : Response::srgb();
-    if (!same_response(response, solve.response)) refuse("another response than the scene has");
+    if (scene.footage.solve_response) {
+        if (differs("footage", is_response_key)) refuse("a response that was not solved for, as the scene asks");
+    } else {
+        const Response response = scene.footage.response ? Response::load(*scene.footage.response) : Response::srgb();
+        if (!same_response(response, solve.response)) refuse("another response than the scene has");
+    }
 
     const std::string cure = "; to follow the change run: matchlight track " + scene.path.string();
     if (differs("light", any_key) || differs("tags", is_albedo_key))

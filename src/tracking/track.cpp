@@ -50,6 +50,7 @@ public:
         observing.level = options_.level;
         observing.corners = options_.corners;
         observing.quiet = options_.quiet;
+        if (scene_.footage.solve_response) find_response(*source, observing);
         ClipObservations clip = observe_clip(*source, scene_.tags, solve_.camera, solve_.response, observing);
         if (clip.frames.empty()) throw InputError(scene_.footage.video, "has no frame in the range asked for");
         summary_.foreign_ids = clip.foreign_ids;
@@ -69,6 +70,17 @@ public:
     }
 
 private:
+    /// From a few dozen frames over the clip, ahead of all that is measured in its light.
+    void find_response(FrameSource& source, ObserveOptions observing) {
+        if (source.info().format.transfer != Transfer::camera) return;  // its tag says what curve it has
+        constexpr std::int64_t frames = 60;
+        const std::int64_t end = observing.last_frame.value_or(source.info().frame_count - 1);
+        observing.every = std::max<std::int64_t>(1, (end - observing.first_frame) / frames);
+        const ClipObservations sample = observe_clip(source, scene_.tags, solve_.camera, solve_.response, observing);
+        solve_.response = solved_response(scene_, sample.cards, warnings_, summary_.photometry);
+        source.seek(observing.first_frame);
+    }
+
     std::string footage_name() const {
         return scene_.footage.video.lexically_proximate(scene_.path.parent_path()).generic_string();
     }

@@ -26,6 +26,16 @@ struct TrackOptions {
     bool quiet = false;                      // no progress
 };
 
+/// What the tags told as grey cards, beside what the solve holds.
+struct PhotometrySummary {
+    std::int64_t measured = 0, interpolated = 0;  // frames
+    double exposure_range_ev = 0;                 // over which unclipped paper was seen
+    bool response_solved = false;                 // chosen by the clip, sRGB included
+    std::optional<double> vignette_corner_sigma;
+    std::optional<double> noise_neighbour_correlation, noise_relative_error;
+    int tags_in_probe = 0;
+};
+
 /// What was found, beside the solve itself.
 struct TrackSummary {
     std::int64_t frames = 0, posed = 0, bridged = 0, missing = 0;
@@ -33,6 +43,7 @@ struct TrackSummary {
     std::map<int, std::int64_t> frames_by_tag;
     std::map<int, std::int64_t> foreign_ids;
     bool exposure_from_probe = false;
+    PhotometrySummary photometry;
 };
 
 /// Throws InputError: footage, camera, response or probe cannot be read, no tag in any frame, a stop was requested.

@@ -1,21 +1,10 @@
-// Exposure and white balance from synthetic readings and from a drawn card.
+// Exposure, white balance, fall-off and gradient of light from synthetic readings.
 #include "tracking/photometry.h"
 
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
-
-extern "C" {
-#include <libavutil/frame.h>
-#include <libavutil/pixfmt.h>
-}
-
-#include "core/transfer.h"
-#include "media/av_pointers.h"
-#include "media/plate_format.h"
-#include "synthetic_view.h"
-#include "tracking/grey_card.h"
 
 namespace matchlight {
 namespace {
@@ -134,50 +123,121 @@ TEST(Photometry, NothingSeenIsNothingKnown) {
     EXPECT_FALSE(clip.frames[1]);
 }
 
-/// An 8-bit picture of a lit card as a frame of footage.
-PlateFrame photographed(const ImageF& albedo, const std::array<double, 3>& light) {
-    std::shared_ptr<AVFrame> samples = allocated_frame(albedo.width(), albedo.height(), AV_PIX_FMT_RGB24);
-    for (int y = 0; y < albedo.height(); ++y) {
-        for (int x = 0; x < albedo.width(); ++x) {
-            for (std::size_t c = 0; c < 3; ++c) {
-                const double code = srgb_code_from_linear(albedo.at(x, y) * light[c]);
-                samples->data[0][y * samples->linesize[0] + 3 * x + static_cast<int>(c)] =
-                    static_cast<std::uint8_t>(std::lround(255 * std::min(code, 1.0)));
-            }
+TEST(Photometry, BluePaperLeadsWhereGreenIsClipped) {
+    std::vector<std::vector<CardReading>> readings;
+    for (int f = 0; f < 40; ++f) {
+        Truth truth;
+        truth.ev = 0.02 * f;
+        readings.push_back({reading(0, truth), reading(1, truth)});
+        for (CardReading& card : readings.back()) {
+            card.difference[0].usable = card.difference[1].usable = f < 20;
+            // Ink drifts by a twelfth meanwhile: it must not be believed while paper is seen in any channel.
+            for (CardLight& ink : card.ink) ink.light *= 1 + 0.002 * f;
         }
     }
-    PlateFormat format = plate_format_of(*samples, 0, {}, "card.png");
-    return {std::move(samples), std::move(format), 0, 0};
+    const ClipPhotometry clip = solve_photometry(readings, cards(2), false);
+    for (int f = 0; f < 40; ++f) {
+        EXPECT_NEAR(clip.frames[static_cast<std::size_t>(f)]->exposure_ev, 0.02 * f, 0.002) << f;
+        EXPECT_NEAR(clip.frames[static_cast<std::size_t>(f)]->white_balance[0], 1.06, 0.002) << f;
+    }
 }
 
-TEST(GreyCard, ReadsPaperMinusInk) {
-    test::SyntheticView view;
-    view.camera = test::ordinary_camera();
-    view.camera_from_world = test::orbit_pose(0.4, 35, 20, 0);
-    view.paper = 0.8, view.ink = 0.04, view.blur_px = 0.8;
-    test::SyntheticTag tag;
-    tag.pattern = TagFamily("tag36h11").pattern(3);
-    const ImageF albedo = test::render_light(view, {tag});
-    const LensGrid lens(view.camera);
-    const auto fit = fit_tag({albedo, 0, 0, lens, 2}, tag.pattern, test::rough_detection(view, tag, 0.5));
-    ASSERT_TRUE(fit);
-    const std::array<double, 3> light{0.9, 0.8, 0.5};
-    const PlateFrame frame = photographed(albedo, light);
-    const PlateLight plate_light(Response::srgb(), frame.format().transfer);
-    const auto card = read_card(frame, plate_light, lens, tag.pattern, *fit);
-    ASSERT_TRUE(card);
-    for (std::size_t c = 0; c < 3; ++c) {
-        EXPECT_TRUE(card->difference[c].usable);
-        // 8-bit codes of paper are 0.9 % apart in light, so a mean of equal pixels may be off by half of that.
-        EXPECT_NEAR(card->difference[c].light, 0.76 * light[c], 0.006 * light[c]);
-        EXPECT_NEAR(card->ink[c].light, 0.04 * light[c], 0.002);
+TEST(Photometry, WhiteBalanceIsSteadyButJumpsWhenItDoes) {
+    std::mt19937 random(5);
+    std::normal_distribution<double> shake(0, 0.004);
+    std::vector<std::vector<CardReading>> readings;
+    for (int f = 0; f < 60; ++f) {
+        Truth truth;
+        truth.white_balance[2] = f < 30 ? 0.93 : 1.05;
+        readings.push_back({reading(0, truth), reading(1, truth)});
+        const double chroma = std::exp(shake(random));  // coding shifts the chroma of all tags in a frame
+        for (CardReading& card : readings.back()) card.difference[2].light *= chroma;
     }
-    // Overexposed in red: that channel only bounds the light from below.
-    const auto bright = read_card(photographed(albedo, {1.4, 0.8, 0.5}), plate_light, lens, tag.pattern, *fit);
-    ASSERT_TRUE(bright);
-    EXPECT_FALSE(bright->difference[0].usable);
-    EXPECT_TRUE(bright->difference[1].usable);
-    EXPECT_TRUE(bright->ink[0].usable);
+    const ClipPhotometry clip = solve_photometry(readings, cards(2), false);
+    for (std::size_t f = 0; f < 60; ++f) {
+        EXPECT_NEAR(clip.frames[f]->white_balance[2], f < 30 ? 0.93 : 1.05, 0.006) << f;
+        if (f == 0 || f == 30) continue;
+        EXPECT_NEAR(clip.frames[f]->white_balance[2], clip.frames[f - 1]->white_balance[2], 0.005) << f;
+    }
+}
+
+double fall_off(double radius) {
+    return 1 - 0.25 * radius * radius - 0.1 * std::pow(radius, 4);
+}
+
+TEST(Photometry, FallOffIsNoChangeOfExposure) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0, 0.003);
+    std::vector<std::vector<CardReading>> readings;
+    for (int f = 0; f < 80; ++f) {
+        std::vector<CardReading>& frame = readings.emplace_back();
+        for (int id = 0; id < 3; ++id) {
+            Truth truth;
+            truth.ev = 0.3 * std::sin(0.1 * f);
+            truth.light_on_tag = 1 + 0.05 * id;
+            const double radius = std::abs(std::sin(0.05 * f + id));
+            if (radius > 0.95) continue;  // outside
+            truth.light_on_tag *= fall_off(radius);
+            frame.push_back(reading(id, truth, noise(random)));
+            frame.back().radius = radius;
+        }
+    }
+    const ClipPhotometry clip = solve_photometry(readings, cards(3), false);
+    ASSERT_TRUE(clip.vignette);
+    for (const double radius : {0.3, 0.6, 1.0}) {
+        const double r2 = radius * radius;
+        EXPECT_NEAR(1 + clip.vignette->gain[0] * r2 + clip.vignette->gain[1] * r2 * r2, fall_off(radius), 0.02);
+    }
+    EXPECT_LT(clip.vignette->corner_sigma, 0.05);
+    const double scale = clip.frames[0]->exposure_ev;
+    for (int f = 0; f < 80; ++f) {
+        const auto& frame = clip.frames[static_cast<std::size_t>(f)];
+        if (!frame->measured) continue;
+        EXPECT_NEAR(frame->exposure_ev - scale, 0.3 * std::sin(0.1 * f), 0.01) << f;
+    }
+}
+
+TEST(Photometry, FallOffIsNotKnownFromTagsThatStayWhereTheyAre) {
+    std::vector<std::vector<CardReading>> readings;
+    for (int f = 0; f < 60; ++f) {
+        readings.push_back({reading(0, {0.01 * f}), reading(1, {0.01 * f})});
+        readings.back()[0].radius = 0.1;
+        readings.back()[1].radius = 0.5 + 0.02 * std::sin(0.1 * f);
+    }
+    EXPECT_FALSE(solve_photometry(readings, cards(2), false).vignette);
+}
+
+TEST(Photometry, LightThatChangesOverTheTableIsAGradient) {
+    const std::array<Eigen::Vector3d, 4> places{
+        Eigen::Vector3d(0.05, 0, 0), {-0.15, 0, 0}, {0.15, 0.02, 0}, {0, 0.2, 0}};
+    const Eigen::Vector3d gradient_ev_per_m(0.8, -0.5, 0);
+    std::map<int, CardExpectation> expected = cards(4);
+    for (int id = 0; id < 4; ++id) expected[id].place_m = places[static_cast<std::size_t>(id)];
+    std::vector<std::vector<CardReading>> readings;
+    for (int f = 0; f < 40; ++f) {
+        std::vector<CardReading>& frame = readings.emplace_back();
+        for (int id = 0; id < 4; ++id) {
+            if ((f / 10) % 4 == id) continue;  // each is away for a while
+            Truth truth;
+            truth.light_on_tag = std::exp2(gradient_ev_per_m.dot(places[static_cast<std::size_t>(id)]));
+            frame.push_back(reading(id, truth));
+        }
+    }
+    const ClipPhotometry clip = solve_photometry(readings, expected, false);
+    ASSERT_TRUE(clip.light_gradient_ev_per_m);
+    EXPECT_LT((*clip.light_gradient_ev_per_m - gradient_ev_per_m).norm(), 0.05);
+    for (const auto& frame : clip.frames) EXPECT_NEAR(frame->exposure_ev, 0, 0.01);  // at place 0, no tag's own
+}
+
+TEST(Photometry, WhatTheProbeShowsOfATagComesBeforeItsAlbedo) {
+    std::map<int, CardExpectation> expected = cards(2);
+    expected[0].shown_difference = expected_light;
+    for (double& light : *expected[0].shown_difference) light *= 0.9;  // grey paper, in less light
+    expected[0].weight = 10;
+    Truth grey;
+    grey.light_on_tag = 0.9;
+    const ClipPhotometry clip = solve_photometry({{reading(0, grey), reading(1, {})}}, expected, false);
+    EXPECT_NEAR(clip.frames[0]->exposure_ev, 0, 0.002);
 }
 
 }  // namespace
