@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -18,8 +19,11 @@
 #include "commands/result.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/output_folder.h"
+#include "report/solve_page.h"
 #include "scene/scene_file.h"
 #include "tracking/solve_file.h"
+#include "tracking/track_details.h"
 
 namespace matchlight {
 namespace {
@@ -27,9 +31,37 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+/// Where the page goes: an .html file, or solve.html in a folder; checked before the long work.
+class SolvePageFile {
+public:
+    SolvePageFile(const fs::path& place, bool overwrite) {
+        if (place.extension() == ".html") {
+            path_ = place;
+            check_output(path_, overwrite);
+            lock_.emplace(path_);
+        } else {
+            folder_.emplace(place, std::vector<std::string>{"solve.html"}, overwrite);
+            path_ = place / "solve.html";
+        }
+    }
+    void write(const std::string& html) const {
+        if (folder_) {
+            folder_->write({html});
+        } else {
+            write_text_file(path_, html);
+        }
+    }
+    const fs::path& path() const { return path_; }
+
+private:
+    fs::path path_;
+    std::optional<OutputLock> lock_;
+    std::optional<OutputFolder> folder_;
+};
+
 struct TrackCall {
     fs::path scene;
-    std::optional<fs::path> output;
+    std::optional<fs::path> output, report;
     FrameRange frames;
     TrackLevel level = TrackLevel::final_;
     CornerMethod corners = CornerMethod::fit;
@@ -96,6 +128,8 @@ void run_track(const TrackCall& call, CommandContext& context) {
     const fs::path output = call.output.value_or(scene.footage.solve);
     check_output(output, call.overwrite || !call.output);
     const OutputLock lock(output);
+    std::optional<SolvePageFile> page;
+    if (call.report) page.emplace(*call.report, call.overwrite);
 
     TrackOptions options;
     options.level = call.level;
@@ -105,28 +139,34 @@ void run_track(const TrackCall& call, CommandContext& context) {
     options.strict = call.strict;
     options.quiet = context.quiet;
     TrackSummary summary;
+    TrackDetails details;
+    if (page) summary.details = &details;
     const auto start = std::chrono::steady_clock::now();
     const Solve solve = track_footage(scene, options, context.warnings, summary);
     save_solve(output, solve);
+    if (page) page->write(solve_page_html(scene, solve, details, context.warnings));
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-    const json result{
-        {"solve", output.string()},
-        {"frames", summary.frames},
-        {"posed", summary.posed},
-        {"bridged", summary.bridged},
-        {"missing", summary.missing},
-        {"reprojection_px", {{"mean", summary.mean_reprojection_px}, {"worst", summary.worst_reprojection_px}}},
-        {"frames_by_tag", counts_json(summary.frames_by_tag)},
-        {"ids_outside_the_rig", counts_json(summary.foreign_ids)},
-        {"exposure_from_probe", summary.exposure_from_probe},
-        {"photometry", photometry_json(solve, summary.photometry)},
-        {"seconds", seconds}};
+    json result{{"solve", output.string()},
+                {"frames", summary.frames},
+                {"posed", summary.posed},
+                {"bridged", summary.bridged},
+                {"missing", summary.missing},
+                {"reprojection_px", {{"mean", summary.mean_reprojection_px}, {"worst", summary.worst_reprojection_px}}},
+                {"frames_by_tag", counts_json(summary.frames_by_tag)},
+                {"ids_outside_the_rig", counts_json(summary.foreign_ids)},
+                {"exposure_from_probe", summary.exposure_from_probe},
+                {"photometry", photometry_json(solve, summary.photometry)},
+                {"seconds", seconds}};
     std::string text = fmt::format(
         "{}: {} of {} frames have a pose ({} bridged), reprojection {:.3f} px mean, {:.3f} worst\n", output.string(),
         summary.posed, summary.frames, summary.bridged, summary.mean_reprojection_px, summary.worst_reprojection_px);
     for (const auto& [id, count] : summary.frames_by_tag) text += fmt::format("  tag {}: {} frames\n", id, count);
     text += photometry_text(solve, summary.photometry);
+    if (page) {
+        result["report"] = page->path().string();
+        text += fmt::format("{}\n", page->path().string());
+    }
     print_result(context, result, text);
 }
 
@@ -150,7 +190,13 @@ void add_track_command(CLI::App& app, CommandContext& context) {
         ->add_option("--corners", call->corners,
                      "Where corners come from: AprilTag's library, or the fit of the tags' image (default)")
         ->transform(CLI::CheckedTransformer(methods).description("{apriltag,fit}"));
-    command->add_flag("--overwrite", call->overwrite, "Replace the file named by --output");
+    command
+        ->add_option(
+            "--report", call->report,
+            "Also write a page of the solve: flagged frames first, path, residuals, what the camera did; an .html "
+            "file, or a folder for solve.html")
+        ->type_name("DIR");
+    command->add_flag("--overwrite", call->overwrite, "Replace the files named by --output and --report");
     command->add_flag("--strict", call->strict, "Damaged or truncated footage is an error");
     command->callback([call, &context] { run_track(*call, context); });
 }

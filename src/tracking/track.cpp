@@ -19,6 +19,7 @@
 #include "tracking/geometry_stage.h"
 #include "tracking/photometry_stage.h"
 #include "tracking/plate_light.h"
+#include "tracking/track_details.h"
 
 namespace matchlight {
 
@@ -66,6 +67,7 @@ public:
         solve_.frame_count = std::max<std::int64_t>(info.frame_count, clip.frames.back().frame + 1);
         solve_.response = effective_response(solve_.response, info.format.transfer);
         solve_.provenance = fmt::format("matchlight {}, track\n{}", version, scene_.effective_toml);
+        if (summary_.details != nullptr) *summary_.details = {std::move(clip.frames), geometry.path.frames};
         return std::move(solve_);
     }
 

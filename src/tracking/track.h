@@ -36,6 +36,8 @@ struct PhotometrySummary {
     int tags_in_probe = 0;
 };
 
+struct TrackDetails;
+
 /// What was found, beside the solve itself.
 struct TrackSummary {
     std::int64_t frames = 0, posed = 0, bridged = 0, missing = 0;
@@ -44,6 +46,7 @@ struct TrackSummary {
     std::map<int, std::int64_t> foreign_ids;
     bool exposure_from_probe = false;
     PhotometrySummary photometry;
+    TrackDetails* details = nullptr;  // filled where given
 };
 
 /// Throws InputError: footage, camera, response or probe cannot be read, no tag in any frame, a stop was requested.
