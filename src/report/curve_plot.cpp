@@ -28,6 +28,10 @@ struct FrameAxis {
     }
 };
 
+bool says_something(const Curve& curve) {
+    return std::ranges::any_of(curve.values, [](const auto& value) { return value.has_value(); });
+}
+
 std::string frame_ticks(const FrameAxis& axis, double bottom) {
     std::string svg;
     for (const double tick : axis_ticks(axis.first, axis.last)) {
@@ -38,8 +42,62 @@ std::string frame_ticks(const FrameAxis& axis, double bottom) {
     return svg;
 }
 
+/// From values to heights in the plot.
+class ValueAxis {
+public:
+    explicit ValueAxis(const CurvePlot& plot) : logarithmic_(plot.axis == CurvePlot::Axis::logarithmic) {
+        double low = std::numeric_limits<double>::infinity(), high = -low;
+        for (const Curve& curve : plot.curves) {
+            for (const auto& value : curve.values) {
+                if (!value) continue;
+                low = std::min(low, position(*value));
+                high = std::max(high, position(*value));
+            }
+        }
+        if (logarithmic_) {
+            low = std::floor(low);
+            for (double tick = low; tick == low || tick < high; ++tick) ticks_.push_back(tick);
+            ticks_.push_back(ticks_.back() + 1);
+            return;
+        }
+        const bool from_zero = plot.axis == CurvePlot::Axis::from_zero;
+        if (from_zero) low = std::min(low, 0.0);
+        // A curve that does not move is a line in the middle, not noise across the plot.
+        const double least = std::max(1e-6, 1e-3 * std::max(std::abs(low), std::abs(high)));
+        if (high - low < least) {
+            high += least / 2;
+            if (!from_zero) low -= least / 2;
+        }
+        ticks_ = axis_ticks(low, high);
+    }
+
+    double px(double value) const {
+        const double share = (position(value) - ticks_.front()) / (ticks_.back() - ticks_.front());
+        return height_px - bottom_px - share * (height_px - bottom_px - top_px);
+    }
+    std::string grid() const {
+        std::string svg;
+        for (const double tick : ticks_) {
+            const double value = logarithmic_ ? std::pow(10, tick) : std::abs(tick) < 1e-12 ? 0 : tick;
+            svg += fmt::format(
+                "<line class=\"grid\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{2:.1f}\" y2=\"{1:.1f}\"/><text "
+                "class=\"tick\" x=\"{3:.1f}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:.6g}</text>",
+                left_px, px(value), width_px - right_px, left_px - 6, px(value) + 4, value);
+        }
+        return svg;
+    }
+
+private:
+    double position(double value) const {
+        return logarithmic_ ? std::log10(std::max(value, least_drawn_error)) : value;
+    }
+
+    bool logarithmic_;
+    std::vector<double> ticks_;
+};
+
 /// Polylines between the gaps of a curve.
-std::string lines_of(const CurvePlot& plot, const Curve& curve, const FrameAxis& x, double low, double high,
+std::string lines_of(const CurvePlot& plot, const Curve& curve, const FrameAxis& x, const ValueAxis& y,
                      std::size_t color) {
     assert(curve.values.size() == plot.frames.size());
     std::string svg, points;
@@ -57,7 +115,7 @@ std::string lines_of(const CurvePlot& plot, const Curve& curve, const FrameAxis&
         if (skips || !curve.values[i]) flush();
         if (!curve.values[i]) continue;
         last_x = x.px(static_cast<double>(plot.frames[i]));
-        last_y = height_px - bottom_px - (*curve.values[i] - low) / (high - low) * (height_px - bottom_px - top_px);
+        last_y = y.px(*curve.values[i]);
         points += fmt::format("{:.1f},{:.1f} ", last_x, last_y);
         ++count;
     }
@@ -80,32 +138,13 @@ std::vector<double> axis_ticks(double low, double high) {
 }
 
 bool CurvePlot::says_something() const {
-    return std::ranges::any_of(curves, [](const Curve& curve) {
-        return std::ranges::any_of(curve.values, [](const auto& value) { return value.has_value(); });
-    });
+    return std::ranges::any_of(curves, [](const Curve& curve) { return matchlight::says_something(curve); });
 }
 
 std::string curve_plot_svg(const CurvePlot& plot) {
     if (plot.frames.empty() || !plot.says_something()) return {};
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const Curve& curve : plot.curves) {
-        for (const auto& value : curve.values) {
-            if (!value) continue;
-            low = std::min(low, *value);
-            high = std::max(high, *value);
-        }
-    }
-    if (plot.from_zero) low = std::min(low, 0.0);
-    // A curve that does not move is a line in the middle, not noise across the plot.
-    const double least = std::max(1e-6, 1e-3 * std::max(std::abs(low), std::abs(high)));
-    if (high - low < least) {
-        high += least / 2;
-        if (!plot.from_zero) low -= least / 2;
-    }
-    const std::vector<double> ticks = axis_ticks(low, high);
-    low = ticks.front();
-    high = ticks.back();
     const FrameAxis x(plot.frames);
+    const ValueAxis y(plot);
     std::string svg = fmt::format("<svg class=\"plot\" viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">",
                                   width_px, height_px, html_text(plot.what));
     for (const Band& band : plot.bands) {
@@ -114,19 +153,13 @@ std::string curve_plot_svg(const CurvePlot& plot) {
         svg += fmt::format("<rect class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>",
                            band.style, from, top_px, std::max(1.0, to - from), height_px - bottom_px - top_px);
     }
-    for (const double tick : ticks) {
-        const double y = height_px - bottom_px - (tick - low) / (high - low) * (height_px - bottom_px - top_px);
-        svg += fmt::format(
-            "<line class=\"grid\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{2:.1f}\" y2=\"{1:.1f}\"/><text class=\"tick\" "
-            "x=\"{3:.1f}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:.6g}</text>",
-            left_px, y, width_px - right_px, left_px - 6, y + 4, std::abs(tick) < 1e-12 ? 0.0 : tick);
-    }
+    svg += y.grid();
     svg += frame_ticks(x, height_px - bottom_px);
     svg += fmt::format("<text class=\"axis\" x=\"{:.1f}\" y=\"15\">{}</text>", left_px, html_text(plot.what));
     double legend_px = width_px - right_px;
     for (std::size_t i = plot.curves.size(); i-- > 0;) {
-        svg += lines_of(plot, plot.curves[i], x, low, high, i);
-        if (plot.curves.size() == 1) break;
+        svg += lines_of(plot, plot.curves[i], x, y, i);
+        if (plot.curves.size() == 1 || !says_something(plot.curves[i])) continue;
         constexpr double letter_px = 6.6;
         svg += fmt::format("<text class=\"legend t{}\" x=\"{:.1f}\" y=\"15\" text-anchor=\"end\">{}</text>", i,
                            legend_px, html_text(plot.curves[i].name));

@@ -25,11 +25,16 @@ struct CurvePlot {
     std::vector<std::int64_t> frames;
     std::vector<Curve> curves;
     std::vector<Band> bands;
-    bool from_zero = false;  // the axis starts at 0: for errors
+    /// The axis: as wide as the values; from 0; or of logarithms, for errors that differ by powers of ten.
+    enum class Axis { fitted, from_zero, logarithmic };
+    Axis axis = Axis::fitted;
 
     /// Whether any curve has a value.
     bool says_something() const;
 };
+
+/// Errors below it are drawn on the edge of a logarithmic axis.
+inline constexpr double least_drawn_error = 1e-3;
 
 /// Lines that break where nothing is known; a lone value is a point. Empty where no value is.
 std::string curve_plot_svg(const CurvePlot& plot);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -40,30 +39,48 @@ std::string frames_text(const FlaggedRun& run) {
     return run.first == run.last ? fmt::format("{}", run.first) : fmt::format("{}–{}", run.first, run.last);
 }
 
-/// The frames whose pictures are shown, with why: the worst of each run, one run of each reason before the second of
-/// any, then plain ones.
-std::map<std::int64_t, std::string> shown_frames(const Solve& solve, const SolveFindings& found) {
-    std::vector<const FlaggedRun*> order;
+struct ShownFrame {
+    std::int64_t number = 0;
+    std::string why;
+};
+
+/// The frames whose pictures are shown: the worst of each run, one run of each reason before the second of any, the
+/// worst reasons first; then plain ones.
+std::vector<ShownFrame> shown_frames(const Solve& solve, const SolveFindings& found) {
     std::map<std::string, std::size_t> rank;
     std::vector<std::pair<std::size_t, const FlaggedRun*>> ranked;
     for (const FlaggedRun& run : found.flagged) ranked.emplace_back(rank[run.reason]++, &run);
     std::ranges::stable_sort(ranked, {}, [](const auto& entry) { return entry.first; });
-    std::map<std::int64_t, std::string> shown;
+    std::vector<ShownFrame> shown;
     for (const auto& [turn, run] : ranked) {
         std::string why = run->reason;
         if (!run->worst_value.empty()) why += ": " + run->worst_value;
-        const auto known = shown.find(run->worst);
+        const auto known = std::ranges::find(shown, run->worst, &ShownFrame::number);
         if (known != shown.end()) {
-            known->second += "; " + why;
+            known->why += "; " + why;
         } else if (shown.size() < most_pictures) {
-            shown[run->worst] = why;
+            shown.push_back({run->worst, why});
         }
     }
     const std::size_t count = solve.frames.size();
     for (const std::size_t i : {std::size_t{0}, count / 2, count - 1}) {
-        if (shown.size() < least_pictures) shown.try_emplace(solve.frames[i].frame, "not flagged");
+        const std::int64_t number = solve.frames[i].frame;
+        const bool known = std::ranges::find(shown, number, &ShownFrame::number) != shown.end();
+        if (!known && shown.size() < least_pictures) shown.push_back({number, "not flagged"});
     }
     return shown;
+}
+
+std::string figure(const SolvePageInput& input, const SolveFindings& found, const ShownFrame& shown) {
+    const SolvedFrame* frame = input.solve.find(shown.number);
+    const auto at = static_cast<std::size_t>(frame - input.solve.frames.data());
+    const std::optional<Image8> picture = input.picture(shown.number);
+    if (!picture) return {};
+    return fmt::format(
+        "<figure><img alt=\"frame {0}\" src=\"{1}\"><figcaption><strong>Frame {0}</strong>, {2:.3f} s: "
+        "{3}</figcaption></figure>",
+        shown.number, solve_overlay_url(*picture, input.solve, *frame, found.frames[at]), frame->time_s,
+        html_text(shown.why));
 }
 
 std::string flagged_section(const SolvePageInput& input, const SolveFindings& found) {
@@ -84,16 +101,14 @@ std::string flagged_section(const SolvePageInput& input, const SolveFindings& fo
         "their residuals, {:g} times as long. The axes are the world's: x red, y green, z blue.</p>"
         "<div class=\"pictures frames\">",
         overlay_magnification);
-    for (const auto& [number, why] : shown_frames(input.solve, found)) {
-        const SolvedFrame* frame = input.solve.find(number);
-        const auto at = static_cast<std::size_t>(frame - input.solve.frames.data());
-        const std::optional<Image8> picture = input.picture(number);
-        if (!picture) continue;
-        html += fmt::format(
-            "<figure><img alt=\"frame {0}\" src=\"{1}\"><figcaption><strong>Frame {0}</strong>, {2:.3f} s: "
-            "{3}</figcaption></figure>",
-            number, solve_overlay_url(*picture, input.solve, *frame, found.frames[at]), frame->time_s, html_text(why));
+    const std::vector<ShownFrame> shown = shown_frames(input.solve, found);
+    // Decoded in the clip's order, shown in that of what is wrong with them.
+    std::map<std::int64_t, std::string> figures;
+    for (const ShownFrame& frame : shown) figures[frame.number];
+    for (auto& [number, text] : figures) {
+        text = figure(input, found, *std::ranges::find(shown, number, &ShownFrame::number));
     }
+    for (const ShownFrame& frame : shown) html += figures[frame.number];
     return html + "</div>";
 }
 
@@ -124,8 +139,9 @@ public:
         for (std::size_t i = 0; i < solve_.frames.size(); ++i) made.values.push_back(value(solve_.frames[i], i));
         return made;
     }
-    std::string svg(const std::string& what, std::vector<Curve> curves, bool from_zero = false) const {
-        return curve_plot_svg({what, frames_, std::move(curves), bands_, from_zero});
+    std::string svg(const std::string& what, std::vector<Curve> curves,
+                    CurvePlot::Axis axis = CurvePlot::Axis::fitted) const {
+        return curve_plot_svg({what, frames_, std::move(curves), bands_, axis});
     }
     const std::vector<std::int64_t>& frames() const { return frames_; }
 
@@ -191,12 +207,12 @@ std::string residual_section(const Solve& solve, const SolveFindings& found, con
                   {plots.curve("residuals, RMS", [](const SolvedFrame& f, std::size_t) { return f.reprojection_px; }),
                    plots.curve("predicted by the covariance, at the tags",
                                [&](const SolvedFrame&, std::size_t i) { return found.frames[i].predicted_px; })},
-                  true);
+                  CurvePlot::Axis::logarithmic);
     html += plots.svg("confidence",
                       {plots.curve("pose", [](const SolvedFrame& f, std::size_t) { return f.pose_confidence; }),
                        plots.curve("exposure", [](const SolvedFrame& f, std::size_t) { return f.exposure_confidence; }),
                        plots.curve("focus", [](const SolvedFrame& f, std::size_t) { return f.focus_confidence; })},
-                      true);
+                      CurvePlot::Axis::from_zero);
     std::vector<TimelineRow> rows;
     for (const SolvedTag& tag : solve.rig) {
         TimelineRow& row = rows.emplace_back();
@@ -230,7 +246,8 @@ std::string camera_section(const Solve& solve, const Plots& plots) {
         {"white balance", plots.svg("white balance over green", {gain("blue", 2), gain("red", 0)})},
         {"focus", plots.svg("focus distance, m", {member("focus", &SolvedFrame::focus_distance_m)})},
         {"aperture", plots.svg("circle of confusion, px m", {member("scale", &SolvedFrame::coc_scale_px_m)})},
-        {"shutter", plots.svg("shutter, part of a frame", {member("shutter", &SolvedFrame::shutter_fraction)}, true)}};
+        {"shutter", plots.svg("shutter, part of a frame", {member("shutter", &SolvedFrame::shutter_fraction)},
+                              CurvePlot::Axis::from_zero)}};
     std::string unknown;
     for (const auto& [name, svg] : plotted) {
         html += svg;
