@@ -84,116 +84,148 @@ double mean_near_median(const std::vector<double>& values, double step) {
     return sum / count;
 }
 
-/// One cell in one channel.
+/// One channel of a cell.
 struct CellCode {
-    double a = 0, b = 0;  // mean place from the tag's centre, in half sides
     double code = 0;
-    double count = 0;
     double noise_variance = 0;   // about a plane of its own
     double neighbour_share = 0;  // covariance of horizontal neighbours
-    int freedom = 0;             // of noise_variance; 0: too few pixels
 };
 
-void measure_noise(const std::vector<PurePixel>& pixels, std::size_t channel, CellCode& cell) {
+struct Cell {
+    double a = 0, b = 0;  // mean place from the tag's centre, in half sides
+    double count = 0;
+    std::array<CellCode, 3> channels;
+    std::array<double, 3> shared{};  // covariance of red and green, green and blue, blue and red
+    int freedom = 0;                 // of the variances; 0: too few pixels
+};
+
+void measure_noise(const std::vector<PurePixel>& pixels, Cell& cell) {
     // A plane takes three degrees of freedom; what is left must be worth a variance.
     constexpr std::size_t enough = 12;
     if (pixels.size() < enough) return;
+    const auto count = static_cast<double>(pixels.size());
     double x0 = 0, y0 = 0;
     for (const PurePixel& pixel : pixels) {
-        x0 += pixel.x;
-        y0 += pixel.y;
+        x0 += pixel.x / count;
+        y0 += pixel.y / count;
     }
-    const auto count = static_cast<double>(pixels.size());
-    x0 /= count;
-    y0 /= count;
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    const auto codes = [](const PurePixel& pixel) {
+        return Eigen::RowVector3d(pixel.code[0], pixel.code[1], pixel.code[2]);
+    };
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), right = Eigen::Matrix3d::Zero();
     for (const PurePixel& pixel : pixels) {
         const Eigen::Vector3d row(1, pixel.x - x0, pixel.y - y0);
         normal += row * row.transpose();
-        right += row * pixel.code[channel];
+        right += row * codes(pixel);
     }
     const Eigen::LDLT<Eigen::Matrix3d> solver(normal);
     if (!(solver.vectorD().minCoeff() > 0.1)) return;  // pixels in one line
-    const Eigen::Vector3d plane = solver.solve(right);
-    double squares = 0, products = 0, before = 0;
+    const Eigen::Matrix3d planes = solver.solve(right);
+    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+    Eigen::RowVector3d neighbours = Eigen::RowVector3d::Zero(), before = Eigen::RowVector3d::Zero();
     int pairs = 0;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         const PurePixel& pixel = pixels[i];
-        const double residual = pixel.code[channel] - plane.dot(Eigen::Vector3d(1, pixel.x - x0, pixel.y - y0));
-        squares += residual * residual;
+        const Eigen::RowVector3d residual = codes(pixel) - Eigen::RowVector3d(1, pixel.x - x0, pixel.y - y0) * planes;
+        products += residual.transpose() * residual;
         if (i > 0 && pixels[i - 1].y == pixel.y && pixels[i - 1].x + 1 == pixel.x) {
-            products += residual * before;
+            neighbours += residual.cwiseProduct(before);
             ++pairs;
         }
         before = residual;
     }
     cell.freedom = static_cast<int>(pixels.size()) - 3;
-    cell.noise_variance = squares / cell.freedom;
-    // The plane takes about three of `count` parts of the variance from every product of residuals.
-    cell.neighbour_share = pairs > 0 ? products / pairs + 3 / count * cell.noise_variance : 0;
+    products /= cell.freedom;
+    for (int c = 0; c < 3; ++c) {
+        const auto channel = static_cast<std::size_t>(c);
+        cell.channels[channel].noise_variance = products(c, c);
+        cell.shared[channel] = products(c, (c + 1) % 3);
+        // The plane takes about three of `count` parts of the variance from every product of residuals.
+        if (pairs > 0) cell.channels[channel].neighbour_share = neighbours[c] / pairs + 3 / count * products(c, c);
+    }
 }
 
+/// Paper or ink of a tag.
+struct Surface {
+    std::array<CardCode, 3> channels;
+    std::array<double, 3> shared{};
+};
+
 /// Noise of all cells together, without those that show more than noise: a smudge, an edge.
-void pool_noise(const std::vector<CellCode>& cells, CardCode& card) {
+void pool_noise(const std::vector<Cell>& cells, Surface& surface) {
     std::vector<double> variances;
-    for (const CellCode& cell : cells) {
-        if (cell.freedom > 0) variances.push_back(cell.noise_variance);
+    const auto variance_of = [](const Cell& cell) {
+        return cell.channels[0].noise_variance + cell.channels[1].noise_variance + cell.channels[2].noise_variance;
+    };
+    for (const Cell& cell : cells) {
+        if (cell.freedom > 0) variances.push_back(variance_of(cell));
     }
     if (variances.empty()) return;
     // A variance of nine degrees of freedom, the fewest, exceeds 3 times its median once in several hundred cells.
-    const double most = 3 * upper_median(variances);
-    double squares = 0, products = 0;
-    for (const CellCode& cell : cells) {
-        if (cell.freedom == 0 || cell.noise_variance > most) continue;
-        squares += cell.noise_variance * cell.freedom;
-        products += cell.neighbour_share * cell.freedom;
-        card.noise_freedom += cell.freedom;
+    const double most = 3 * upper_median(std::move(variances));
+    std::array<double, 3> squares{}, products{};
+    int freedom = 0;
+    for (const Cell& cell : cells) {
+        if (cell.freedom == 0 || variance_of(cell) > most) continue;
+        freedom += cell.freedom;
+        for (std::size_t c = 0; c < 3; ++c) {
+            squares[c] += cell.channels[c].noise_variance * cell.freedom;
+            products[c] += cell.channels[c].neighbour_share * cell.freedom;
+            surface.shared[c] += cell.shared[c] * cell.freedom;
+        }
     }
-    if (card.noise_freedom == 0) return;
-    card.noise = std::sqrt(squares / card.noise_freedom);
-    card.neighbour_correlation = squares > 0 ? products / squares : 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        CardCode& card = surface.channels[c];
+        card.noise_freedom = freedom;
+        card.noise = std::sqrt(squares[c] / freedom);
+        card.neighbour_correlation = squares[c] > 0 ? products[c] / squares[c] : 0;
+        surface.shared[c] /= freedom;
+    }
 }
 
-CardCode read_surface(const std::vector<PureCell>& pure, bool paper, std::size_t channel, int grid_cells, double step) {
-    std::size_t clipped = 0, count = 0;
-    std::vector<CellCode> cells;
+Surface read_surface(const std::vector<PureCell>& pure, bool paper, int grid_cells, double step) {
+    std::array<std::size_t, 3> clipped{};
+    std::size_t count = 0;
+    std::vector<Cell> cells;
     const double centre = 0.5 * grid_cells;
     for (const PureCell& members : pure) {
         if (members.paper != paper || members.pixels.empty()) continue;
-        CellCode cell;
-        std::vector<double> codes;
+        Cell& cell = cells.emplace_back();
+        std::array<std::vector<double>, 3> codes;
         for (const PurePixel& pixel : members.pixels) {
             cell.a += (pixel.a - centre) / centre;
             cell.b += (pixel.b - centre) / centre;
-            codes.push_back(pixel.code[channel]);
-            clipped += pixel.code[channel] >= PlateLight::clipped_code;
+            for (std::size_t c = 0; c < 3; ++c) {
+                codes[c].push_back(pixel.code[c]);
+                clipped[c] += pixel.code[c] >= PlateLight::clipped_code;
+            }
         }
-        count += codes.size();
-        cell.count = static_cast<double>(codes.size());
+        count += members.pixels.size();
+        cell.count = static_cast<double>(members.pixels.size());
         cell.a /= cell.count;
         cell.b /= cell.count;
-        cell.code = mean_near_median(codes, step);
-        measure_noise(members.pixels, channel, cell);
-        cells.push_back(cell);
+        for (std::size_t c = 0; c < 3; ++c) cell.channels[c].code = mean_near_median(codes[c], step);
+        measure_noise(members.pixels, cell);
     }
-    CardCode card;
-    std::vector<PlaneSample> samples;
-    for (const CellCode& cell : cells) samples.push_back({cell.a, cell.b, cell.code, cell.count});
-    const PlaneFit plane = fit_robust_plane(samples, 0.25 * step);
-    card.code = plane.value;
-    card.standard_error = plane.standard_error;
-    pool_noise(cells, card);
-    // A few clipped pixels are noise or a glint, and left out; more, and the mean is only a lower bound.
-    card.clipped = clipped * 10 >= count || card.code >= PlateLight::clipped_code;
-    // Rounding shifts the mean of all pixels alike by up to half a step unless noise dithers it: the shift's first
-    // harmonic falls as exp(−2π²σ²) of the noise in steps (Widrow, "Statistical analysis of amplitude-quantized
-    // sampled-data systems", 1961).
-    const double dither = card.noise / step;
-    const double rounding =
-        step / std::sqrt(12.0) * std::exp(-2 * std::numbers::pi * std::numbers::pi * dither * dither);
-    card.standard_error = std::hypot(card.standard_error, rounding);
-    return card;
+    Surface surface;
+    pool_noise(cells, surface);
+    for (std::size_t c = 0; c < 3; ++c) {
+        CardCode& card = surface.channels[c];
+        std::vector<PlaneSample> samples;
+        for (const Cell& cell : cells) samples.push_back({cell.a, cell.b, cell.channels[c].code, cell.count});
+        const PlaneFit plane = fit_robust_plane(samples, 0.25 * step);
+        card.code = plane.value;
+        // A few clipped pixels are noise or a glint, and left out; more, and the mean is only a lower bound.
+        card.clipped = clipped[c] * 10 >= count || card.code >= PlateLight::clipped_code;
+        // Rounding shifts the mean of all pixels alike by up to half a step unless noise dithers it: the shift's first
+        // harmonic falls as exp(−2π²σ²) of the noise in steps (Widrow, "Statistical analysis of amplitude-quantized
+        // sampled-data systems", 1961).
+        const double dither = card.noise / step;
+        const double rounding =
+            step / std::sqrt(12.0) * std::exp(-2 * std::numbers::pi * std::numbers::pi * dither * dither);
+        card.standard_error = std::hypot(plane.standard_error, rounding);
+    }
+    return surface;
 }
 
 struct LightOfCode {
@@ -243,12 +275,17 @@ std::optional<CardReading> read_card(const PlateFrame& frame, const PlateLight& 
     const Eigen::Vector2d middle((format.width - 1) / 2.0, (format.height - 1) / 2.0);
     reading.radius =
         (fit.observation.corners_px.rowwise().mean() - middle).norm() / (0.5 * std::hypot(format.width, format.height));
+    const Surface paper_surface = read_surface(cells, true, pattern.cells(), reading.code_step);
+    const Surface ink_surface = read_surface(cells, false, pattern.cells(), reading.code_step);
+    reading.paper_code = paper_surface.channels;
+    reading.ink_code = ink_surface.channels;
+    reading.paper_shared = paper_surface.shared;
+    reading.ink_shared = ink_surface.shared;
+    reading.chroma_shared = format.chroma_block_width > 1 || format.chroma_block_height > 1;
     for (std::size_t channel = 0; channel < 3; ++channel) {
         const int c = static_cast<int>(channel);
-        CardCode& paper = reading.paper_code[channel];
-        CardCode& ink = reading.ink_code[channel];
-        paper = read_surface(cells, true, channel, pattern.cells(), reading.code_step);
-        ink = read_surface(cells, false, channel, pattern.cells(), reading.code_step);
+        const CardCode& paper = reading.paper_code[channel];
+        const CardCode& ink = reading.ink_code[channel];
         const LightOfCode white = light_of(paper, plate_light, c), black = light_of(ink, plate_light, c);
         constexpr double darkest = 1e-4;  // below a fortieth of an 8-bit code nothing is known
         const double difference = white.light - black.light;

@@ -34,8 +34,11 @@ struct CardReading {
     /// Ink alone, which is still seen when paper is clipped.
     std::array<CardLight, 3> ink;
     std::array<CardCode, 3> paper_code, ink_code;
-    double radius = 0;     // of the tag's centre from the frame's; 1 = the frame's corner
-    double code_step = 0;  // between neighbouring codes of the footage
+    /// Covariance between the noise of red and green, green and blue, blue and red (code²).
+    std::array<double, 3> paper_shared{}, ink_shared{};
+    bool chroma_shared = false;  // neighbours share chroma: the channels' noise is never independent
+    double radius = 0;           // of the tag's centre from the frame's; 1 = the frame's corner
+    double code_step = 0;        // between neighbouring codes of the footage
 };
 
 /// Reads pixels that see nothing but paper, or nothing but ink: at least 2.5 px from any edge where the cells are large

@@ -2,6 +2,7 @@
 #include "tracking/noise_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -42,12 +43,55 @@ std::vector<NoiseSample> levels_of(const std::vector<NoiseSample>& samples) {
         level.ratios.push_back(sample.variance / sample.signal);
         level.freedom += sample.freedom;
     }
+    double freedom = 0;
+    for (const auto& [index, level] : levels) freedom += level.freedom;
     std::vector<NoiseSample> medians;
     for (auto& [index, level] : levels) {
+        constexpr double least_share = 0.005;  // the fringe of a level next to it
+        if (level.freedom < least_share * freedom) continue;
         const double signal = upper_median(std::move(level.signals));
         medians.push_back({signal, signal * upper_median(std::move(level.ratios)), level.freedom});
     }
     return medians;
+}
+
+/// Variance of a surface's own texture, relative to its light squared. A sensor's noise is independent from channel to
+/// channel, the grain of paper is the same in all of them; nothing is told where neighbours share chroma.
+double texture_variance(const std::array<double, 3>& shared, const std::array<double, 3>& relative_slope,
+                        bool chroma_shared) {
+    if (chroma_shared) return 0;
+    double sum = 0;
+    for (std::size_t c = 0; c < 3; ++c) sum += shared[c] * relative_slope[c] * relative_slope[(c + 1) % 3];
+    return std::max(0.0, sum / 3);
+}
+
+void add_samples(const std::array<CardCode, 3>& cards, const std::array<double, 3>& shared, const CardReading& reading,
+                 const PlateLight& plate_light, std::vector<NoiseSample>& samples) {
+    const auto within = [](const CardCode& card) {
+        constexpr double reach = 2.5;  // standard deviations
+        return card.noise_freedom > 0 && !card.clipped && card.code + reach * card.noise <= 1 &&
+               card.code - reach * card.noise >= 0;
+    };
+    std::array<double, 3> light{}, slope{}, relative_slope{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto at = [&](double code) {
+            return plate_light.light_from_code(static_cast<float>(code), static_cast<int>(c));
+        };
+        const double step = std::max(cards[c].noise, 1e-3);
+        light[c] = at(cards[c].code);
+        slope[c] = (at(cards[c].code + step) - at(cards[c].code - step)) / (2 * step);
+        relative_slope[c] = light[c] > 0 ? slope[c] / light[c] : 0;
+    }
+    const bool all_within = std::ranges::all_of(cards, within);
+    const double texture = all_within ? texture_variance(shared, relative_slope, reading.chroma_shared) : 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (!within(cards[c]) || !(light[c] > 0)) continue;
+        // Sheppard's correction (1898), and a floor so that a flat patch is noise of a small part of a step.
+        const double rounding = reading.code_step * reading.code_step / 12;
+        const double seen = std::max(cards[c].noise * cards[c].noise - rounding, 0.1 * rounding) * slope[c] * slope[c];
+        samples.push_back({light[c], std::max(seen - texture * light[c] * light[c], 0.1 * seen),
+                           static_cast<double>(cards[c].noise_freedom)});
+    }
 }
 
 }  // namespace
@@ -57,24 +101,8 @@ std::vector<NoiseSample> noise_samples(const std::vector<std::vector<CardReading
     std::vector<NoiseSample> samples;
     for (const auto& frame : readings) {
         for (const CardReading& reading : frame) {
-            for (std::size_t channel = 0; channel < 3; ++channel) {
-                for (const CardCode* card : {&reading.paper_code[channel], &reading.ink_code[channel]}) {
-                    constexpr double reach = 2.5;  // standard deviations
-                    if (card->noise_freedom == 0 || card->clipped) continue;
-                    if (card->code + reach * card->noise > 1 || card->code - reach * card->noise < 0) continue;
-                    const auto light = [&](double code) {
-                        return plate_light.light_from_code(static_cast<float>(code), static_cast<int>(channel));
-                    };
-                    const double step = std::max(card->noise, 1e-3);
-                    const double slope = (light(card->code + step) - light(card->code - step)) / (2 * step);
-                    // Sheppard's correction (1898), and a floor so that a flat patch is noise of a small part of a
-                    // step.
-                    const double rounding = reading.code_step * reading.code_step / 12;
-                    const double noise = std::max(card->noise * card->noise - rounding, 0.1 * rounding);
-                    samples.push_back(
-                        {light(card->code), slope * slope * noise, static_cast<double>(card->noise_freedom)});
-                }
-            }
+            add_samples(reading.paper_code, reading.paper_shared, reading, plate_light, samples);
+            add_samples(reading.ink_code, reading.ink_shared, reading, plate_light, samples);
         }
     }
     return samples;

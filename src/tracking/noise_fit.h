@@ -22,7 +22,8 @@ struct NoiseFit {
 };
 
 /// Paper and ink of every reading and channel, without those near black or white, where clipping takes from the noise.
-/// What rounding to codes adds is taken off.
+/// What rounding to codes adds is taken off, and so is the surface's own texture where the channels are coded each for
+/// itself.
 std::vector<NoiseSample> noise_samples(const std::vector<std::vector<CardReading>>& readings,
                                        const PlateLight& plate_light);
 

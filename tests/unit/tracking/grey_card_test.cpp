@@ -123,6 +123,22 @@ TEST(GreyCard, NoiseOfTheSensorIsFoundAgain) {
     }
 }
 
+TEST(GreyCard, GrainOfPaperIsNoNoiseOfTheSensor) {
+    DrawnCard card;
+    std::mt19937 random(7);
+    std::normal_distribution<float> grain(1, 0.03f);  // the same in all channels
+    for (float& sample : card.albedo.samples()) sample *= grain(random);
+    const Sensor sensor{0.004, 0.0005};
+    const auto reading = card.read(photographed(card.albedo, {0.9, 0.8, 0.6}, sensor));
+    ASSERT_TRUE(reading);
+    const auto fit = fit_noise({{*reading}}, card.plate_light);
+    ASSERT_TRUE(fit);
+    for (const double light : {0.03, 0.6}) {
+        const double expected = std::sqrt(sensor.read * sensor.read + sensor.shot * light);
+        EXPECT_NEAR(std::sqrt(fit->read * fit->read + fit->shot * light) / expected, 1, 0.15) << light;
+    }
+}
+
 TEST(NoiseFit, DirtAndEdgesDoNotCount) {
     std::vector<NoiseSample> samples;
     for (int i = 0; i < 200; ++i) {
