@@ -81,7 +81,8 @@ ClipObservations observe_clip(FrameSource& source, const TagSettings& tags, cons
     const std::int64_t end =
         options.last_frame ? std::min(*options.last_frame + 1, source.info().frame_count) : source.info().frame_count;
     Progress progress("track", std::max<std::int64_t>(0, end - options.first_frame) / options.every, options.quiet);
-    if (options.first_frame > 0) source.seek(options.first_frame);
+    // A group is worked from its beginning also where the range begins within it, so that a frame is seen alike.
+    if (options.first_frame > 0) source.seek(options.first_frame / group_length * group_length);
 
     GroupSource groups(source, options.last_frame, options.every);
     std::mutex findings_mutex;
@@ -93,6 +94,7 @@ ClipObservations observe_clip(FrameSource& source, const TagSettings& tags, cons
             TagFollower follower({detector, wanted, plate_light, lens, options.level, options.corners});
             for (const PlateFrame& frame : group) {
                 FrameFindings findings = follower.examine(frame);
+                if (frame.index() < options.first_frame) continue;
                 const std::lock_guard lock(findings_mutex);
                 by_frame.emplace(frame.index(), std::move(findings));
                 progress.advance();

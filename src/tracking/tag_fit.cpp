@@ -94,38 +94,44 @@ double mean_side(const TagCorners& corners) {
     return sum / 4;
 }
 
+void set_blur(const TagImageModel& model, double blur_px, TagParameters::Vector& parameters) {
+    parameters[TagParameters::blur] = parameters[TagParameters::blur + 1] = std::log(blur_px);
+    parameters[TagParameters::covariance] = 0.9 * blur_px * blur_px * model.place(parameters, 0, 0).axes_cosine;
+}
+
 /// The parameters' start: geometry from the rough corners, the blur that explains the pixels best, even light. Returns
 /// the blur in pixels, or nothing where paper is no lighter than ink.
 std::optional<double> start_blur_and_light(const TagImageModel& model, const std::vector<TagPixel>& pixels,
                                            double cell_px, TagParameters::Vector& start) {
-    const TagImageModel::Place centre = model.place(start, 0, 0);
     FlatLight best;
     double best_blur = 0;
-    const auto set_blur = [&](double blur) {
-        start[TagParameters::blur] = start[TagParameters::blur + 1] = std::log(blur);
-        start[TagParameters::covariance] = 0.9 * blur * blur * centre.axes_cosine;
-    };
     for (const double blur : {0.5, 1.0, 2.0, 4.0, 8.0, 16.0}) {
         if (best_blur > 0 && blur > cell_px) break;
-        set_blur(blur);
+        set_blur(model, blur, start);
         const FlatLight flat = fit_flat_light(model, start, pixels);
         if (best_blur > 0 && flat.squares >= best.squares) continue;
         best = flat;
         best_blur = blur;
     }
     if (!(best.paper > best.ink)) return std::nullopt;
-    set_blur(best_blur);
+    set_blur(model, best_blur, start);
     start[TagParameters::paper] = best.paper;
     start[TagParameters::ink] = best.ink;
     return best_blur;
 }
 
+struct VisibleFitOptions {
+    double clipped_light = 1, cell_px = 0;
+    bool predicted = false;  // hidden pixels are marked already
+};
+
 /// Fits, hides what does not show the tag, and fits again; nullopt when the pixels are not that tag's.
-std::optional<TagFitState> fit_visible(const TagImageModel& model, std::vector<TagPixel>& pixels, double clipped_light,
-                                       double cell_px, const TagParameters::Vector& start) {
-    TagMinimiser minimiser(model, pixels, clipped_light, cell_px);
+std::optional<TagFitState> fit_visible(const TagImageModel& model, std::vector<TagPixel>& pixels,
+                                       const VisibleFitOptions& options, const TagParameters::Vector& start) {
+    TagMinimiser minimiser(model, pixels, options.clipped_light, options.cell_px);
     using Light = TagMinimiser::Light;
-    std::optional<TagFitState> state = minimiser.minimise(start, Light::planes);
+    const bool any_hidden = std::ranges::any_of(pixels, &TagPixel::hidden);
+    std::optional<TagFitState> state = minimiser.minimise(start, any_hidden ? Light::even : Light::planes);
     // A hand over a part of the tag pulls the planes of light to it and hides in their slope: with even light it stands
     // out.
     constexpr double whole_tag_correlation = 0.985;
@@ -134,8 +140,13 @@ std::optional<TagFitState> fit_visible(const TagImageModel& model, std::vector<T
     for (int round = 0; state && round < most_rounds; ++round) {
         const CellCheck check = check_cells(model, state->parameters, state->residual_scale, pixels);
         // The library corrects two bits of a hundred cells; a decoy that decodes by chance has more of them wrong.
-        constexpr double most_inverted = 0.06, most_hidden = 0.5;
-        if (check.inverted_share > most_inverted || check.hidden_share > most_hidden) return std::nullopt;
+        // Of a tag that is known to be there, half may be hidden, and the cells that the hand's outline crosses.
+        // Where it is known to be, a dark hand turns paper to ink, but not ink to paper as a slip by a cell would.
+        constexpr double most_inverted = 0.06;
+        const double inverted = options.predicted ? 2 * std::min(check.ink_for_paper_share, check.paper_for_ink_share)
+                                                  : check.ink_for_paper_share + check.paper_for_ink_share;
+        const double most_hidden = options.predicted ? 0.55 : 0.5;
+        if (inverted > most_inverted || check.hidden_share > most_hidden) return std::nullopt;
         if (round > 0 && !check.changed) break;
         if (check.changed || state->correlation < whole_tag_correlation) {
             state = minimiser.minimise(state->parameters, Light::planes);
@@ -217,11 +228,18 @@ std::optional<TagImageFit> fit_tag(const FitSource& source, const TagPattern& ta
     std::vector<TagPixel> pixels = gather_pixels(source, model, start, {cell_px, first_pixels});
     constexpr std::size_t fewest_pixels = 4 * TagParameters::count;
     if (pixels.size() < fewest_pixels) return std::nullopt;
+    const bool predicted = options.start_error_px > 0;
+    if (predicted) {
+        set_blur(model, 1 + 0.5 * std::min(options.start_error_px, 0.2 * cell_px), start);
+        hide_by_vote(model, start, pixels);
+    }
     const std::optional<double> blur_px = start_blur_and_light(model, pixels, cell_px, start);
     if (!blur_px) return std::nullopt;
     pixels = gather_pixels(source, model, start, {4 + 4 * *blur_px, options.most_pixels});
+    if (predicted) hide_by_vote(model, start, pixels);
 
-    const std::optional<TagFitState> state = fit_visible(model, pixels, source.clipped_light, cell_px, start);
+    const std::optional<TagFitState> state =
+        fit_visible(model, pixels, {source.clipped_light, cell_px, predicted}, start);
     if (!state) return std::nullopt;
     observation.correlation = state->correlation;
     observation.contrast = contrast_of(state->parameters);

@@ -30,6 +30,10 @@ struct TagObservation {
     double correlation = 0;  // of the light with the fitted image, 0..1
     double decision_margin = 0;
     bool refined = false;  // by the fit; otherwise the library's corners
+    /// From a fit of the whole rig to the frame, through the motion of the exposure: the corners are those at
+    /// mid-exposure by one pose, and the same errors are in all tags of the frame.
+    bool joint = false;
+    std::optional<Eigen::Vector2d> streak_px;  // of a joint fit: what its middle travels during the exposure, or back
 };
 
 /// The observation with the fitted map from plate to tag grid, for whoever samples the tag.

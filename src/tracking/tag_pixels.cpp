@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -73,21 +72,6 @@ Region region_of_grid(const Eigen::Matrix3d& grid_from_normalized, int cells, co
     return box;
 }
 
-namespace {
-
-/// Every `step`th pixel of a row (whole numbers or not), rows shifted against each other by the golden ratio so that no
-/// edge is met in one phase only.
-template <class Visit>
-void visit_pixels(const Region& box, double step, Visit visit) {
-    for (int y = box.y; y < box.y + box.height; ++y) {
-        double shift = 0;
-        if (step > 1) shift = step * std::fmod((y - box.y) * (std::numbers::phi - 1), 1.0);
-        for (double offset = shift; offset < box.width; offset += step) visit(box.x + static_cast<int>(offset), y);
-    }
-}
-
-}  // namespace
-
 std::vector<TagPixel> gather_pixels(const FitSource& source, const TagImageModel& model,
                                     const TagParameters::Vector& start, const PixelChoice& choice) {
     Region box = region_of_grid(homography_of(start) * model.local.local_from_normalized(), model.pattern.cells(),
@@ -128,7 +112,7 @@ FlatLight fit_flat_light(const TagImageModel& model, const TagParameters::Vector
     const TagImage image(model, p);
     PixelModel at;
     for (const TagPixel& pixel : pixels) {
-        if (!image.at(pixel, at)) continue;
+        if (pixel.hidden || !image.at(pixel, at)) continue;
         const Eigen::Vector2d shares(at.paper, 1 - at.paper);
         normal += shares * shares.transpose();
         right += shares * pixel.light;
@@ -139,9 +123,12 @@ FlatLight fit_flat_light(const TagImageModel& model, const TagParameters::Vector
     return {light[0], light[1], total - light.dot(right)};
 }
 
-CellCheck check_cells(const TagImageModel& model, const TagParameters::Vector& parameters, double residual_scale,
-                      std::vector<TagPixel>& pixels) {
-    HalfCells halves(model.pattern.cells());
+namespace {
+
+/// Adds to `halves` what the even parts of cells show, by `value` of a pixel and the model there.
+template <class Value>
+void add_even_parts(const TagImageModel& model, const TagParameters::Vector& parameters,
+                    const std::vector<TagPixel>& pixels, HalfCells& halves, Value value) {
     const TagImage image(model, parameters);
     PixelModel at;
     for (const TagPixel& pixel : pixels) {
@@ -149,30 +136,93 @@ CellCheck check_cells(const TagImageModel& model, const TagParameters::Vector& p
         constexpr double nearly = 0.03;  // of all paper or all ink
         if (at.paper > nearly && at.paper < 1 - nearly) continue;
         const TagImageModel::Place place = model.place(parameters, pixel.x, pixel.y);
-        halves.add(place.a, place.b, pixel.light - at.light);
+        halves.add(place.a, place.b, value(pixel, at));
     }
+}
+
+/// Takes the marks of the half cells over to the pixels; true where one changes.
+bool mark_hidden(const TagImageModel& model, const TagParameters::Vector& parameters, const HalfCells& halves,
+                 std::vector<TagPixel>& pixels) {
+    bool changed = false;
+    for (TagPixel& pixel : pixels) {
+        const TagImageModel::Place place = model.place(parameters, pixel.x, pixel.y);
+        const bool now = place.in_view && halves.is_hidden(place.a, place.b);
+        changed = changed || now != pixel.hidden;
+        pixel.hidden = now;
+    }
+    return changed;
+}
+
+}  // namespace
+
+void hide_by_vote(const TagImageModel& model, const TagParameters::Vector& parameters, std::vector<TagPixel>& pixels) {
+    HalfCells light(model.pattern.cells()), paper(model.pattern.cells());
+    add_even_parts(model, parameters, pixels, light,
+                   [](const TagPixel& pixel, const PixelModel&) { return pixel.light; });
+    add_even_parts(model, parameters, pixels, paper, [](const TagPixel&, const PixelModel& at) { return at.paper; });
+    struct Half {
+        std::size_t index = 0;
+        double light = 0;
+        bool paper = false;
+    };
+    std::vector<Half> halves;
+    light.visit_means([&](std::size_t index, double mean, int) { halves.push_back({index, mean, false}); });
+    std::size_t next = 0;
+    paper.visit_means([&](std::size_t, double mean, int) { halves[next++].paper = mean > 0.5; });
+
+    // Every pair of a cell that should be paper and one that should be ink proposes its light for all of them.
+    constexpr double near = 0.15;  // of the contrast: uneven light stays below
+    const auto agrees = [&](const Half& half, double white, double black) {
+        return std::abs(half.light - (half.paper ? white : black)) < near * (white - black);
+    };
+    std::ptrdiff_t most = 0;
+    double best_white = 0, best_black = 0;
+    constexpr std::size_t enough_proposals = 40;  // of each kind, evenly taken: half of them see the tag
+    const std::size_t stride = std::max<std::size_t>(1, halves.size() / (2 * enough_proposals));
+    for (std::size_t i = 0; i < halves.size(); i += stride) {
+        if (!halves[i].paper) continue;
+        for (std::size_t j = 0; j < halves.size(); j += stride) {
+            const double white = halves[i].light, black = halves[j].light;
+            if (halves[j].paper || !(white > black)) continue;
+            const std::ptrdiff_t votes =
+                std::ranges::count_if(halves, [&](const Half& half) { return agrees(half, white, black); });
+            if (votes <= most) continue;
+            most = votes;
+            best_white = white;
+            best_black = black;
+        }
+    }
+    if (most == 0) return;
+    for (const Half& half : halves) {
+        if (!agrees(half, best_white, best_black)) light.hide_around(half.index);
+    }
+    mark_hidden(model, parameters, light, pixels);
+}
+
+CellCheck check_cells(const TagImageModel& model, const TagParameters::Vector& parameters, double residual_scale,
+                      std::vector<TagPixel>& pixels) {
+    HalfCells halves(model.pattern.cells());
+    add_even_parts(model, parameters, pixels, halves,
+                   [](const TagPixel& pixel, const PixelModel& at) { return pixel.light - at.light; });
     const double contrast = contrast_of(parameters);
     CellCheck check;
-    int judged = 0, hidden = 0, inverted = 0;
+    int judged = 0, hidden = 0, ink_for_paper = 0, paper_for_ink = 0;
     halves.visit_means([&](std::size_t index, double mean, int pixel_count) {
         // Uneven light and ink stay below an eighth of the contrast; noise below four standard deviations of the mean.
         const double most = std::max(0.125 * contrast, 4 * residual_scale / std::sqrt(pixel_count));
         ++judged;
-        if (std::abs(mean) > 0.7 * contrast) ++inverted;
+        ink_for_paper += mean < -0.7 * contrast;
+        paper_for_ink += mean > 0.7 * contrast;
         if (std::abs(mean) <= most) return;
         ++hidden;
         halves.hide_around(index);
     });
     if (judged > 0) {
         check.hidden_share = static_cast<double>(hidden) / judged;
-        check.inverted_share = static_cast<double>(inverted) / judged;
+        check.ink_for_paper_share = static_cast<double>(ink_for_paper) / judged;
+        check.paper_for_ink_share = static_cast<double>(paper_for_ink) / judged;
     }
-    for (TagPixel& pixel : pixels) {
-        const TagImageModel::Place place = model.place(parameters, pixel.x, pixel.y);
-        const bool now = place.in_view && halves.is_hidden(place.a, place.b);
-        check.changed = check.changed || now != pixel.hidden;
-        pixel.hidden = now;
-    }
+    check.changed = mark_hidden(model, parameters, halves, pixels);
     return check;
 }
 

@@ -1,7 +1,9 @@
 // The pixels a tag's fit rests on: which are gathered, and which turn out to show something else.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <vector>
 
 #include "calibration/camera.h"
@@ -28,6 +30,17 @@ struct PixelChoice {
     std::size_t most = 0;  // about: where there are more, evenly spread ones are taken
 };
 
+/// Every `step`th pixel of a row (whole numbers or not), rows shifted against each other by the golden ratio so that no
+/// edge is met in one phase only.
+template <class Visit>
+void visit_pixels(const Region& box, double step, Visit visit) {
+    for (int y = box.y; y < box.y + box.height; ++y) {
+        double shift = 0;
+        if (step > 1) shift = step * std::fmod((y - box.y) * (std::numbers::phi - 1), 1.0);
+        for (double offset = shift; offset < box.width; offset += step) visit(box.x + static_cast<int>(offset), y);
+    }
+}
+
 /// Pixels on cells whose neighbourhood is known.
 std::vector<TagPixel> gather_pixels(const FitSource& source, const TagImageModel& model,
                                     const TagParameters::Vector& start, const PixelChoice& choice);
@@ -36,19 +49,25 @@ std::vector<TagPixel> gather_pixels(const FitSource& source, const TagImageModel
 struct FlatLight {
     double paper = 0, ink = 0, squares = 0;
 };
+/// Over the pixels that are not hidden.
 FlatLight fit_flat_light(const TagImageModel& model, const TagParameters::Vector& parameters,
                          const std::vector<TagPixel>& pixels);
 
 /// What the even parts of half cells say about the fit.
 struct CellCheck {
-    bool changed = false;       // other pixels are marked hidden than before
-    double hidden_share = 0;    // of the half cells that were looked at: neither paper nor ink as expected
-    double inverted_share = 0;  // paper where ink was expected, or the reverse: another tag, or none
+    bool changed = false;     // other pixels are marked hidden than before
+    double hidden_share = 0;  // of the half cells that were looked at: neither paper nor ink as expected
+    double ink_for_paper_share = 0, paper_for_ink_share = 0;  // another tag, or none; one of them alone: a dark or a
+                                                              // light thing in front
 };
 
 /// Marks the pixels of half cells whose mean light is off by more than blur or noise can explain, and their
 /// neighbours: a hand, a shadow's core, a glint. Edges are not judged: blur of any shape shows there.
 CellCheck check_cells(const TagImageModel& model, const TagParameters::Vector& parameters, double residual_scale,
                       std::vector<TagPixel>& pixels);
+
+/// Before a fit, from a start that is right within half a cell: the paper and ink that most half cells agree on, and
+/// the others marked hidden. A hand may cover almost half of the tag, where a fit would follow its outline.
+void hide_by_vote(const TagImageModel& model, const TagParameters::Vector& parameters, std::vector<TagPixel>& pixels);
 
 }  // namespace matchlight

@@ -19,6 +19,7 @@
 #include "tracking/geometry_stage.h"
 #include "tracking/photometry_stage.h"
 #include "tracking/plate_light.h"
+#include "tracking/recovery_stage.h"
 #include "tracking/track_details.h"
 
 namespace matchlight {
@@ -59,7 +60,10 @@ public:
 
         const Response response = solve_.response;
         const ClipContext context{scene_, options_, info, camera, response, probe, warnings_};
-        const GeometrySolution geometry = solve_geometry(context, clip);
+        GeometrySolution geometry = solve_geometry(context, clip);
+        if (options_.corners == CornerMethod::fit && recover_tags(context, *source, geometry, clip) > 0) {
+            geometry = solve_geometry(context, clip);
+        }
         report_geometry(context, geometry, solve_, summary_);
         solve_photometry_stage(context, clip, geometry, solve_, summary_);
 
