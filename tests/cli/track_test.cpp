@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <sched.h>
 
 #include "core/transfer.h"
 #include "core/warnings.h"
@@ -155,6 +156,46 @@ TEST_F(TrackCommand, TwoRunsWriteTheSameBytes) {
     const std::string first = bytes_of(solve_path());
     ASSERT_TRUE(succeeded(track()));  // its own solve is replaced without asking
     EXPECT_EQ(bytes_of(solve_path()), first);
+}
+
+TEST_F(TrackCommand, EveryLevelFindsThePath) {
+    // Pixels of error over the volume of the objects; the frames are small, and coding noise is what remains.
+    for (const auto& [level, most_px] : {std::pair{"fast", 0.08}, {"normal", 0.06}, {"final", 0.05}}) {
+        ASSERT_TRUE(succeeded(track({"--level", level})));
+        for (const TrueFrame& truth : true_frames) {
+            const json frame = solve().at("frames").at(static_cast<std::size_t>(truth.frame));
+            EXPECT_LT(registration_error_px(matrix_of(frame.at("camera_from_world")), pose_of(truth)), most_px)
+                << level << " " << truth.frame;
+        }
+    }
+    EXPECT_EQ(track({"--level", "slow"}).status, 2);
+}
+
+TEST_F(TrackCommand, CornersOfTheLibraryAreAChoice) {
+    ASSERT_TRUE(succeeded(track({"--corners", "apriltag"})));
+    for (const TrueFrame& truth : true_frames) {
+        const json frame = solve().at("frames").at(static_cast<std::size_t>(truth.frame));
+        const double error_px = registration_error_px(matrix_of(frame.at("camera_from_world")), pose_of(truth));
+        EXPECT_LT(error_px, 0.3) << truth.frame;
+        EXPECT_NEAR(frame.at("exposure_ev"), truth.ev, 0.1);  // the grey cards are read all the same
+    }
+    EXPECT_EQ(track({"--corners", "opencv"}).status, 2);
+}
+
+TEST_F(TrackCommand, OneCoreAndAllOfThemWriteTheSameBytes) {
+    ASSERT_TRUE(succeeded(track()));
+    const std::string on_all = bytes_of(solve_path());
+    cpu_set_t all, one;
+    ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+    CPU_ZERO(&one);
+    for (int cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; ++cpu) {
+        if (CPU_ISSET(cpu, &all)) CPU_SET(cpu, &one);
+    }
+    ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);  // the program inherits it
+    const bool tracked = static_cast<bool>(succeeded(track()));
+    ASSERT_EQ(sched_setaffinity(0, sizeof all, &all), 0);
+    ASSERT_TRUE(tracked);
+    EXPECT_EQ(bytes_of(solve_path()), on_all);
 }
 
 TEST_F(TrackCommand, ANamedFileIsReplacedOnlyOnRequest) {
