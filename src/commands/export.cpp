@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -87,6 +88,14 @@ Format format_of(const ExportCall& call) {
 bool is_camera_file(const fs::path& path) {
     const std::string extension = lower_extension(path);
     return extension == ".yaml" || extension == ".yml" || extension == ".xml";
+}
+
+/// Throws InputError where the output would replace what it is made from.
+void check_not_the_input(const ExportCall& call) {
+    std::error_code error;
+    if (fs::equivalent(call.input, call.output, error)) {
+        throw InputError(call.output, "the output is the input", "give another name");
+    }
 }
 
 void write_stmap(const ExportCall& call, CommandContext& context) {
@@ -308,6 +317,7 @@ void add_export_command(CLI::App& app, CommandContext& context) {
     add_camera_options(*command, *call);
     add_stmap_options(*command, *call);
     command->callback([call, &context] {
+        check_not_the_input(*call);
         if (call->stmap && call->format) throw CLI::ExcludesError("--stmap", "--format");
         if (call->stmap) {
             write_stmap(*call, context);

@@ -27,6 +27,17 @@ double largest_unevenness(const std::vector<SolvedFrame>& frames, double fps) {
     return largest;
 }
 
+/// Files of other programs keep floats and 32-bit frame numbers: what lies beyond any footage is damage.
+void check_within_reason(const SolvedFrame& frame, const std::filesystem::path& reported) {
+    constexpr std::int64_t last_frame = 1'000'000'000;  // a year at 30 a second
+    constexpr double farthest_m = 1e9, latest_s = 1e9;
+    if (frame.frame > last_frame) throw InputError(reported, "counts more than a thousand million frames");
+    if (std::abs(frame.time_s) > latest_s) throw InputError(reported, frame.frame, "its time stamp is absurd");
+    if (frame.camera_from_world && frame.camera_from_world->inverse().translation().norm() > farthest_m) {
+        throw InputError(reported, frame.frame, "the camera is farther off than any footage shows");
+    }
+}
+
 }  // namespace
 
 PinholePicture pinhole_of(const Camera& camera, bool centred) {
@@ -65,6 +76,7 @@ CameraTrack camera_track(const Solve& solve, const CameraTrackOptions& options, 
     track.first_number = options.first_number;
     for (const SolvedFrame& frame : solve.frames) {
         if (frame.frame < options.first_frame || (options.last_frame && frame.frame > *options.last_frame)) continue;
+        check_within_reason(frame, reported);
         track.frames.push_back(frame);
     }
     if (track.posed() == 0) {

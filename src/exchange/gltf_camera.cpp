@@ -83,6 +83,8 @@ struct Keys {
 Keys keys_of(const CameraTrack& track) {
     Keys keys;
     Eigen::Quaterniond before = Eigen::Quaterniond::Identity();
+    // glTF's time starts at 0: footage whose time stamps start before it is moved.
+    const double early_s = std::min(0.0, track.frames.front().time_s);
     for (const SolvedFrame& frame : track.frames) {
         if (!frame.camera_from_world) {
             keys.without_pose.push_back(frame.frame);
@@ -92,7 +94,7 @@ Keys keys_of(const CameraTrack& track) {
         Eigen::Quaterniond turn(pose.rotation());
         if (turn.dot(before) < 0) turn.coeffs() *= -1;  // q and −q are one turn: players take the way between signs
         before = turn;
-        keys.times_s.push_back(static_cast<float>(frame.time_s));
+        keys.times_s.push_back(static_cast<float>(frame.time_s - early_s));
         for (const double v : pose.translation()) keys.places_m.push_back(static_cast<float>(v));
         for (const double v : turn.coeffs()) keys.turns.push_back(static_cast<float>(v));
     }

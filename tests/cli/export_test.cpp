@@ -114,6 +114,9 @@ TEST_F(ExportCommand, ReplacesNothingUnlessTold) {
     EXPECT_NE(bytes_of(scratch_ / "c.usda"), before);
     EXPECT_TRUE(succeeded(run("colmap", {"--overwrite"})));
     EXPECT_TRUE(failed_naming(run("no/such/folder/c.usda"), {"c.usda"}));
+    const std::string solve = bytes_of(solve_);
+    EXPECT_TRUE(failed_naming(run("my clip.solve.json", {"--format", "csv", "--overwrite"}), {"the input"}));
+    EXPECT_EQ(bytes_of(solve_), solve);
 }
 
 TEST_F(ExportCommand, RefusesOtherFiles) {
@@ -150,6 +153,15 @@ TEST_F(ExportCommand, RefusesBadSolvesInOneLine) {
         run_changed("colmap", [](json& s) { s["lens"]["distortion"] = {0, 0, 0, 0, 0, 0, 0, 0, 0.01, 0, 0, 0}; }),
         {file, "thin-prism"}));
     EXPECT_FALSE(fs::exists(scratch_ / "colmap"));
+    EXPECT_TRUE(failed_naming(run_changed("c.glb", [](json& s) { s["frames"][3]["camera_from_world"][2][3] = 1e200; }),
+                              {file, "frame 3", "farther"}));
+    EXPECT_TRUE(failed_naming(run_changed("c.glb", [](json& s) { s["frames"][3]["time_s"] = 1e300; }), {"frame 3"}));
+    EXPECT_TRUE(failed_naming(run_changed("c.usda",
+                                          [](json& s) {
+                                              s["frames"][3]["frame"] = 4000000000000000000;
+                                              s["footage"].erase("frames");
+                                          }),
+                              {file, "thousand million"}));
     for (const std::string& bytes : {std::string(), std::string("\0\x01\x02", 3), std::string(1000, '[')}) {
         scratch_.write(file, bytes);
         EXPECT_TRUE(failed_naming(run("c.usda"), {file}));

@@ -142,6 +142,15 @@ TEST(GltfCamera, TurnsTakeTheShortWay) {
     }
 }
 
+TEST(GltfCamera, TimeStartsAtNothingLessThanZero) {
+    Solve solve = made_solve();
+    for (SolvedFrame& frame : solve.frames) frame.time_s -= 0.25;
+    const Gltf gltf = read_text(gltf_camera_text(track_of(solve)));
+    const std::vector<double> times = gltf.floats(gltf.document["animations"][0]["samplers"][0]["input"]);
+    EXPECT_EQ(times.front(), 0);
+    EXPECT_FLOAT_EQ(times.back(), 9 / 24.0);
+}
+
 TEST(GltfCamera, OneFrameAndNoTagsAreEnough) {
     Solve solve = made_solve();
     solve.frames.resize(1);
