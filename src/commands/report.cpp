@@ -149,8 +149,8 @@ void calibrate(const ReportArguments& arguments, CommandContext& context) {
     print_result(context, json, text);
 }
 
-void run_stability_cases(CommandContext& context, Report& report) {
-    const std::vector<StabilityCase> cases = stability_cases();
+void run_stability_cases(bool quick, CommandContext& context, Report& report) {
+    const std::vector<StabilityCase> cases = stability_cases(quick);
     Progress progress("stability", static_cast<std::int64_t>(cases.size()), context.quiet);
     for (const StabilityCase& tried : cases) {
         if (stop_requested()) throw InputError("", "stopped by a signal");
@@ -164,7 +164,9 @@ std::string stability_lines(const Report& report) {
     for (const StabilityRow& row : report.stability) {
         text += fmt::format("{} {:<15} {}: {:.4g} ({}", row.pass ? "pass" : "FAIL", row.effect, row.name, row.value,
                             row.bound);
-        text += row.energy_kept ? fmt::format("; {:.6g} kept)\n", *row.energy_kept) : ")\n";
+        if (row.energy_kept) text += fmt::format("; {:.6g} kept", *row.energy_kept);
+        if (!row.beside.empty()) text += "; beside: " + knobs_text(row.beside);
+        text += ")\n";
     }
     return text;
 }
@@ -175,7 +177,7 @@ void make_report(const ReportArguments& arguments, CommandContext& context) {
     Report report;
     report.machine = this_machine(*gl);
     if (!arguments.scene.empty()) measure_scene(arguments, *gl, context, report);
-    if (arguments.stability) run_stability_cases(context, report);
+    if (arguments.stability) run_stability_cases(arguments.quick, context, report);
     folder.write(report);
     print_result(context, nlohmann::json::parse(report_json(report)),
                  effect_lines(report) + stability_lines(report) + fmt::format("{}\n", folder.page().string()));

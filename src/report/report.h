@@ -71,6 +71,7 @@ struct StabilityRow {
     double value = 0;                        // what came out, compared with the bound
     std::optional<double> energy_kept = {};  // out over in, where light is spread
     bool pass = false;
+    std::vector<Knob> beside = {};  // what else came out: "IPPE 0.3"
 };
 
 /// The whole frame at one quality level, against how the scene really looked.

@@ -89,12 +89,13 @@ std::string stability_section(const std::vector<StabilityRow>& rows) {
         "<h2 id=\"stability\">Stability</h2><p>{} of {} stiff and extreme cases stay within their "
         "bounds.</p><table><tr>"
         "<th class=\"word\">part</th><th class=\"word\">case</th><th class=\"word\">bound</th><th>value</th>"
-        "<th>energy kept</th><th></th></tr>",
+        "<th>energy kept</th><th></th><th class=\"word\">beside</th></tr>",
         passed, rows.size());
     for (const StabilityRow& row : rows) {
         html += "<tr>" + word(row.effect) + long_words(row.name) + long_words(row.bound) + cell(row.value) +
                 cell(row.energy_kept, "{:.6g}") +
-                fmt::format("<td class=\"{0}\">{0}</td></tr>", row.pass ? "pass" : "fail");
+                fmt::format("<td class=\"{0}\">{0}</td>", row.pass ? "pass" : "fail") +
+                fmt::format("<td class=\"word knobs\">{}</td></tr>", html_text(knobs_text(row.beside)));
     }
     return html + "</table>";
 }

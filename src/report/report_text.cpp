@@ -70,7 +70,7 @@ std::string field(const std::optional<double>& value) {
 std::string knobs_text(const std::vector<Knob>& knobs) {
     std::string text;
     for (const Knob& knob : knobs) {
-        text += fmt::format("{}{} {:g}", text.empty() ? "" : ", ", knob.name, knob.value);
+        text += fmt::format("{}{} {:.4g}", text.empty() ? "" : ", ", knob.name, knob.value);
     }
     return text;
 }
@@ -108,12 +108,14 @@ std::string report_json(const Report& report) {
     if (!report.stability.empty()) {
         json["stability"] = ordered_json::array();
         for (const StabilityRow& row : report.stability) {
-            json["stability"].push_back({{"effect", row.effect},
-                                         {"case", row.name},
-                                         {"bound", row.bound},
-                                         {"value", number(row.value)},
-                                         {"energy_kept", number(row.energy_kept)},
-                                         {"pass", row.pass}});
+            ordered_json entry{{"effect", row.effect},
+                               {"case", row.name},
+                               {"bound", row.bound},
+                               {"value", number(row.value)},
+                               {"energy_kept", number(row.energy_kept)},
+                               {"pass", row.pass}};
+            for (const Knob& knob : row.beside) entry["beside"][knob.name] = number(knob.value);
+            json["stability"].push_back(std::move(entry));
         }
     }
     if (!report.truth.empty()) {

@@ -10,7 +10,7 @@ namespace {
 
 std::string bound_text(const std::string& measure, const Bound& bound) {
     if (bound.least == bound.most) return fmt::format("{} is {:g}", measure, bound.least);
-    if (bound.least == 0) return fmt::format("{} at most {:g}", measure, bound.most);
+    if (bound.least == 0) return fmt::format("{} at most {:.4g}", measure, bound.most);
     return fmt::format("{} from {:g} to {:g}", measure, bound.least, bound.most);
 }
 
@@ -23,7 +23,13 @@ StabilityRow stability_row(const StabilityCase& tried) {
         const StabilityOutcome outcome = tried.run();
         row.value = outcome.value;
         row.energy_kept = outcome.energy_kept;
-        row.pass = tried.bound.holds(outcome.value) &&
+        row.beside = outcome.beside;
+        Bound bound = tried.bound;
+        if (outcome.most) {
+            bound.most = *outcome.most;
+            row.bound = bound_text(tried.measure, bound);
+        }
+        row.pass = bound.holds(outcome.value) &&
                    (!tried.energy || (outcome.energy_kept && tried.energy->holds(*outcome.energy_kept)));
     } catch (const std::exception& error) {
         row.value = std::numeric_limits<double>::quiet_NaN();
@@ -32,9 +38,9 @@ StabilityRow stability_row(const StabilityCase& tried) {
     return row;
 }
 
-std::vector<StabilityCase> stability_cases() {
+std::vector<StabilityCase> stability_cases(bool quick) {
     std::vector<StabilityCase> all = number_cases();
-    for (const auto& more : {light_cases(), wave_glare_cases(), frame_cases()})
+    for (const auto& more : {light_cases(), wave_glare_cases(), frame_cases(), tag_pose_cases(quick)})
         all.insert(all.end(), more.begin(), more.end());
     return all;
 }

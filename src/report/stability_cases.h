@@ -18,7 +18,9 @@ namespace matchlight {
 
 struct StabilityOutcome {
     double value = std::numeric_limits<double>::quiet_NaN();
-    std::optional<double> energy_kept;  // out over in, where light is spread
+    std::optional<double> energy_kept = {};  // out over in, where light is spread
+    std::optional<double> most = {};         // upper end of the bound, where it follows from the case's own picture
+    std::vector<Knob> beside = {};           // what else came out: shown, not judged
 };
 
 /// Both ends belong to it; NaN lies in none.
@@ -43,8 +45,10 @@ std::vector<StabilityCase> light_cases();
 std::vector<StabilityCase> frame_cases();
 /// Diffraction and halo: likewise.
 std::vector<StabilityCase> wave_glare_cases();
-/// All of them.
-std::vector<StabilityCase> stability_cases();
+/// The pose of a tag over sizes, tilts, blurs and noise, against other libraries': on the CPU.
+std::vector<StabilityCase> tag_pose_cases(bool quick);
+/// All of them; `quick` leaves out most of the slow ones.
+std::vector<StabilityCase> stability_cases(bool quick = false);
 
 /// A camera effect on its own, for spill_cases().
 using AddSpill = std::function<GraphTexture(RenderGraph& graph, ShaderLibrary& shaders, const FrameLight& light,

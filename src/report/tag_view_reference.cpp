@@ -8,8 +8,16 @@
 #include <numbers>
 #include <optional>
 #include <random>
+#include <utility>
+
+extern "C" {
+#include <libavutil/frame.h>
+#include <libavutil/pixfmt.h>
+}
 
 #include "core/parallel.h"
+#include "media/av_pointers.h"
+#include "media/plate_format.h"
 
 namespace matchlight {
 
@@ -439,24 +447,13 @@ Image8 recorded_picture(const ImageF& light, const Recording& recording) {
     return picture;
 }
 
-ImageF decoded_light(const Image8& picture, const Recording& recording) {
-    assert(picture.channels() == 3);
-    ImageF light(picture.width(), picture.height(), 1);
-    std::array<std::array<double, 256>, 3> linear{};
-    for (int channel = 0; channel < 3; ++channel) {
-        const auto c = static_cast<std::size_t>(channel);
-        for (std::size_t code = 0; code < 256; ++code) {
-            linear[c][code] = recording.response.linear_from_code(static_cast<double>(code) / 255, channel) /
-                              (3 * recording.white_balance[c]);
-        }
+PlateFrame recorded_frame(const Image8& picture, std::int64_t index, double time_s) {
+    std::shared_ptr<AVFrame> samples = allocated_frame(picture.width(), picture.height(), AV_PIX_FMT_RGB24);
+    for (int y = 0; y < picture.height(); ++y) {
+        std::ranges::copy(picture.row(y), samples->data[0] + static_cast<std::ptrdiff_t>(y) * samples->linesize[0]);
     }
-    parallel_for(light.height(), [&](int y) {
-        for (int x = 0; x < light.width(); ++x) {
-            const std::uint8_t* code = picture.pixel(x, y);
-            light.at(x, y) = static_cast<float>(linear[0][code[0]] + linear[1][code[1]] + linear[2][code[2]]);
-        }
-    });
-    return light;
+    PlateFormat format = plate_format_of(*samples, 0, {}, "recorded");
+    return {std::move(samples), std::move(format), index, time_s};
 }
 
 }  // namespace matchlight

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "calibration/response.h"
 #include "core/image.h"
 #include "core/transforms.h"
+#include "media/plate.h"
 #include "tracking/tag_family.h"
 
 namespace matchlight {
@@ -75,8 +77,7 @@ struct Recording {
 /// RGB in 8 bits.
 Image8 recorded_picture(const ImageF& light, const Recording& recording);
 
-/// Linear plate light of a recorded picture, the mean of its channels with their white balance undone: what an exact
-/// decoder makes of it.
-ImageF decoded_light(const Image8& picture, const Recording& recording);
+/// The picture as a frame of footage.
+PlateFrame recorded_frame(const Image8& picture, std::int64_t index, double time_s);
 
 }  // namespace matchlight

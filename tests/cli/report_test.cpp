@@ -135,7 +135,7 @@ TEST_F(ReportTest, LeavesNothingBehindWhenItFails) {
 
 TEST_F(ReportTest, StabilityNeedsNoScene) {
     const fs::path folder = scratch_ / "report";
-    const RunResult result = run_matchlight({"report", "--stability", "-o", folder, "--json"});
+    const RunResult result = run_matchlight({"report", "--stability", "--quick", "-o", folder, "--json"});
     ASSERT_TRUE(succeeded(result));
     const json written = json::parse(bytes_of(folder / "report.json"));
     EXPECT_EQ(written, json::parse(result.standard_output));

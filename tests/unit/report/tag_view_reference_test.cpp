@@ -182,9 +182,12 @@ TEST(TagViewReference, RecordingCodesLightAndAddsItsNoise) {
     recording.white_balance = {1.2, 1, 0.8};
     recording.vignette = {-0.2, 0.05};
     const Image8 clean = recorded_picture(light, recording);
-    const ImageF back = decoded_light(clean, recording);
-    EXPECT_NEAR(back.at(150, 100), 0.125, 0.001);
-    EXPECT_NEAR(back.at(0, 0), 0.125 * 0.85, 0.001);
+    const auto back = [&](int x, int y) { return recording.response.linear_from_code(clean.at(x, y, 1) / 255.0, 1); };
+    EXPECT_NEAR(back(150, 100), 0.125, 0.001);
+    EXPECT_NEAR(back(0, 0), 0.125 * 0.85, 0.001);
+    const PlateFrame frame = recorded_frame(clean, 5, 0.2);
+    EXPECT_EQ(frame.index(), 5);
+    EXPECT_NEAR(frame.rgb_code({150, 100, 1, 1}).at(0, 0, 2), clean.at(150, 100, 2) / 255.0, 1e-6);
     EXPECT_GT(clean.at(150, 100, 0), clean.at(150, 100, 1));
 
     recording = {};
