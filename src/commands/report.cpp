@@ -23,6 +23,8 @@
 #include "report/machine_calibration.h"
 #include "report/report_folder.h"
 #include "report/stability_cases.h"
+#include "report/track_experiment.h"
+#include "report/track_text.h"
 #include "report/truth.h"
 
 namespace matchlight {
@@ -35,7 +37,7 @@ struct ReportArguments {
     std::optional<std::int64_t> frame;
     std::vector<std::string> effects;  // all when empty
     int repeats = 0;                   // 0: seven, or three when quick
-    bool quick = false, overwrite = false, stability = false, calibrate_machine = false;
+    bool quick = false, overwrite = false, stability = false, calibrate_machine = false, track = false;
 
     TimingOptions timing() const {
         TimingOptions timing;
@@ -149,6 +151,21 @@ void calibrate(const ReportArguments& arguments, CommandContext& context) {
     print_result(context, json, text);
 }
 
+void measure_track(const ReportArguments& arguments, CommandContext& context, Report& report) {
+    const Scene scene = load_scene(arguments.scene, context.warnings);
+    if (scene.camera) {
+        throw InputError(scene.path, "has a camera of its own: there is no footage to track");
+    }
+    TrackExperimentOptions options;
+    options.repeats = arguments.repeats > 0 ? arguments.repeats : arguments.quick ? 1 : 3;
+    if (!arguments.truth.empty()) options.truth = arguments.truth;
+    Progress progress("track", track_experiment_steps(options), context.quiet);
+    options.advance = [&progress] { progress.advance(); };
+    report.scene = scene.path.filename().string();
+    report.provenance = fmt::format("matchlight {}\n{}", version, scene.effective_toml);
+    report.track = run_track_experiment(scene, options, context.warnings);
+}
+
 void run_stability_cases(bool quick, CommandContext& context, Report& report) {
     const std::vector<StabilityCase> cases = stability_cases(quick);
     Progress progress("stability", static_cast<std::int64_t>(cases.size()), context.quiet);
@@ -176,11 +193,16 @@ void make_report(const ReportArguments& arguments, CommandContext& context) {
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
     Report report;
     report.machine = this_machine(*gl);
-    if (!arguments.scene.empty()) measure_scene(arguments, *gl, context, report);
+    if (arguments.track) {
+        measure_track(arguments, context, report);
+    } else if (!arguments.scene.empty()) {
+        measure_scene(arguments, *gl, context, report);
+    }
     if (arguments.stability) run_stability_cases(arguments.quick, context, report);
     folder.write(report);
     print_result(context, nlohmann::json::parse(report_json(report)),
-                 effect_lines(report) + stability_lines(report) + fmt::format("{}\n", folder.page().string()));
+                 (report.track ? track_lines(*report.track) : effect_lines(report)) + stability_lines(report) +
+                     fmt::format("{}\n", folder.page().string()));
     const auto failed = std::ranges::count_if(report.stability, [](const StabilityRow& row) { return !row.pass; });
     if (failed > 0) {
         throw InputError(folder.page(), fmt::format("{} of {} cases of stability leave their bounds", failed,
@@ -204,11 +226,18 @@ void add_report_command(CLI::App& app, CommandContext& context) {
     command->add_option("--effects", arguments->effects, "Only these, separated by commas")
         ->delimiter(',')
         ->check(CLI::IsMember(names));
-    command->add_option("--repeats", arguments->repeats, "Timed runs of each level and knob (7; 3 with --quick)")
+    command
+        ->add_option("--repeats", arguments->repeats,
+                     "Timed runs of each level and knob (7; 3 with --quick; with --track 3 and 1)")
         ->check(CLI::Range(1, 1000));
     command->add_option(
         "--truth", arguments->truth,
-        "Pictures with the objects really there (truth_%03d.png): also measure whole frames against them");
+        "Pictures with the objects really there (truth_%03d.png): also measure whole frames against them; with --track "
+        "the groundtruth.json of a made clip");
+    command->add_flag(
+        "--track", arguments->track,
+        "Track the footage at every level and with other libraries' poses: error against run time, or how "
+        "well the tags agree where no truth is given");
     command->add_flag("--stability", arguments->stability,
                       "A table of stiff and extreme cases: what came out of each, against its bound");
     command->add_flag("--calibrate-machine", arguments->calibrate_machine,
@@ -221,6 +250,7 @@ void add_report_command(CLI::App& app, CommandContext& context) {
         if (!reports && !arguments->calibrate_machine) {
             throw CLI::RequiredError("SCENE.toml, --stability or --calibrate-machine");
         }
+        if (arguments->track && arguments->scene.empty()) throw CLI::RequiredError("SCENE.toml");
         if (reports && arguments->output.empty()) throw CLI::RequiredError("--output");
         if (arguments->calibrate_machine) calibrate(*arguments, context);
         if (reports) make_report(*arguments, context);

@@ -111,7 +111,7 @@ Label place_label(double x, double y, double text_width, const std::vector<Box>&
 
 }  // namespace
 
-std::string pareto_plot_svg(const EffectReport& effect) {
+std::string pareto_plot_svg(const EffectReport& effect, const PlotWords& words) {
     std::vector<const EffectPoint*> points;
     std::vector<double> times, errors;
     for (const EffectPoint& point : effect.points) {
@@ -127,8 +127,8 @@ std::string pareto_plot_svg(const EffectReport& effect) {
     const LogAxis y = axis_over(errors, height_px - bottom_px, top_px);
 
     std::string svg = fmt::format(
-        "<svg class=\"plot\" viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"FLIP against milliseconds, {}\">",
-        width_px, height_px, html_text(effect.name));
+        "<svg class=\"plot\" viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{} against milliseconds, {}\">",
+        width_px, height_px, html_text(words.error), html_text(effect.name));
     for (const double tick : ticks_of(x)) {
         svg += fmt::format(
             "<line class=\"grid\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{0:.1f}\" y2=\"{2:.1f}\"/>"
@@ -141,13 +141,11 @@ std::string pareto_plot_svg(const EffectReport& effect) {
             "<text class=\"tick\" x=\"{3:.1f}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:g}</text>",
             left_px, y.px(tick), width_px - right_px, left_px - 6, y.px(tick) + 4, tick);
     }
-    svg += fmt::format("<text class=\"axis\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">ms, once a {}</text>",
-                       (left_px + width_px - right_px) / 2, height_px - 14,
-                       effect.unit == WorkUnit::frame ? "frame" : "clip");
+    svg += fmt::format("<text class=\"axis\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>",
+                       (left_px + width_px - right_px) / 2, height_px - 14, html_text(words.time));
     svg += fmt::format(
-        "<text class=\"axis\" text-anchor=\"middle\" transform=\"translate(18 {:.1f}) rotate(-90)\">FLIP against the "
-        "reference</text>",
-        (top_px + height_px - bottom_px) / 2);
+        "<text class=\"axis\" text-anchor=\"middle\" transform=\"translate(18 {:.1f}) rotate(-90)\">{}</text>",
+        (top_px + height_px - bottom_px) / 2, html_text(words.against));
 
     std::vector<Box> taken;
     if (has_self_error) {
@@ -183,10 +181,10 @@ std::string pareto_plot_svg(const EffectReport& effect) {
         svg += fmt::format("<line class=\"range\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>",
                            x.px(std::max(point->time.min_ms, 1e-6)), py, x.px(point->time.max_ms), py);
         svg += fmt::format(
-            "<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"><title>{} ({}): {:.3g} ms, FLIP "
+            "<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"><title>{} ({}): {:.3g} ms, {} "
             "{:.3g}</title></circle>",
             is_front ? "best" : "other", px, py, html_text(point->level), html_text(knobs_text(point->knobs)),
-            point->time.median_ms, *point->errors.flip);
+            point->time.median_ms, html_text(words.error), *point->errors.flip);
         Box box{};
         constexpr double letter_px = 6.2;  // of the 11 px face, on the whole
         const Label label = place_label(px, py, letter_px * static_cast<double>(point->level.size()), taken, box);
@@ -195,6 +193,12 @@ std::string pareto_plot_svg(const EffectReport& effect) {
                            label.y, label.anchor, html_text(point->level));
     }
     return svg + "</svg>";
+}
+
+std::string pareto_plot_svg(const EffectReport& effect) {
+    PlotWords words;
+    if (effect.unit == WorkUnit::clip) words.time = "ms, once a clip";
+    return pareto_plot_svg(effect, words);
 }
 
 }  // namespace matchlight

@@ -7,13 +7,10 @@
 #include <vector>
 
 #include "core/image.h"
+#include "report/measured_time.h"
+#include "report/track_report.h"
 
 namespace matchlight {
-
-/// Milliseconds of repeated runs.
-struct RunTime {
-    double median_ms = 0, min_ms = 0, max_ms = 0;
-};
 
 /// Of one picture of light against the reference; absent where the measure has no value (a black reference).
 struct PointErrors {
@@ -105,6 +102,7 @@ struct Report {
     std::vector<StabilityRow> stability;
     std::vector<TruthRow> truth;
     std::vector<BudgetRow> budget;
+    std::optional<TrackReport> track;
 };
 
 /// "128 directions, 1024 resolution".

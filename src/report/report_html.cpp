@@ -8,6 +8,7 @@
 #include "report/page_style.h"
 #include "report/pareto_plot.h"
 #include "report/report.h"
+#include "report/track_text.h"
 
 namespace matchlight {
 namespace {
@@ -128,19 +129,21 @@ std::string budget_section(const std::vector<BudgetRow>& rows) {
 
 std::string report_html(const Report& report) {
     const Machine& machine = report.machine;
-    const std::string title =
-        report.scene.empty() ? "Stability" : fmt::format("Error against run time: {}", report.scene);
+    const std::string title = report.scene.empty() ? "Stability"
+                              : report.track       ? fmt::format("Tracking, error against run time: {}", report.scene)
+                                                   : fmt::format("Error against run time: {}", report.scene);
     std::string html = fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Matchlight: {0}</title>"
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><style>{1}</style></head><body>"
         "<h1>{0}</h1>",
         html_text(title), page_style);
-    if (!report.scene.empty()) html += fmt::format("<p>Frame {}, {}×{}. ", report.frame, report.width, report.height);
+    const bool shows_frame = !report.scene.empty() && !report.track;
+    if (shows_frame) html += fmt::format("<p>Frame {}, {}×{}. ", report.frame, report.width, report.height);
     html += fmt::format(
         "{}Matchlight {} on {} (OpenGL {}), {} cores; times by {}; a copy moves {:.1f} GB/s, the bound that no pass "
         "can beat.</p>",
-        report.scene.empty() ? "<p>" : "", version, html_text(machine.renderer), html_text(machine.gl_version),
-        machine.cores, machine.timer_queries ? "timer queries" : "the wall clock between two glFinish",
+        shows_frame ? "" : "<p>", version, html_text(machine.renderer), html_text(machine.gl_version), machine.cores,
+        machine.timer_queries ? "timer queries" : "the wall clock between two glFinish",
         machine.copy_bytes_per_second * 1e-9);
     if (!report.effects.empty()) {
         html +=
@@ -151,6 +154,7 @@ std::string report_html(const Report& report) {
             "the machine does hits all alike.</p>";
     }
     for (const EffectReport& effect : report.effects) html += effect_section(effect);
+    if (report.track) html += track_html(*report.track);
     html += truth_section(report.truth) + budget_section(report.budget) + stability_section(report.stability);
     if (!report.provenance.empty()) {
         html += fmt::format("<h2>Settings</h2><pre>{}</pre>", html_text(report.provenance));

@@ -7,6 +7,7 @@
 
 #include "core/version.h"
 #include "report/report.h"
+#include "report/track_text.h"
 
 namespace matchlight {
 namespace {
@@ -99,6 +100,9 @@ std::string report_json(const Report& report) {
                        {"copy_bytes_per_second", machine.copy_bytes_per_second}};
     if (!report.scene.empty()) {
         json["scene"] = report.scene;
+    }
+    if (report.track) json["track"] = track_json(*report.track);
+    if (!report.scene.empty() && !report.track) {
         json["frame"] = report.frame;
         json["width"] = report.width;
         json["height"] = report.height;
@@ -141,6 +145,7 @@ std::string report_json(const Report& report) {
 }
 
 std::string report_csv(const Report& report) {
+    if (report.track) return track_csv(*report.track);
     std::string csv =
         "effect,level,knobs,precision,per,ms_median,ms_min,ms_max,bytes,bandwidth_bounds,flip,hdr_flip,psnr_db,"
         "relative_rms,reference_self_error_flip,ms_saved,max_code_difference\n";

@@ -29,15 +29,6 @@ double timed_ms(const std::function<void()>& work, Stopwatch stopwatch) {
 
 }  // namespace
 
-RunTime run_time_of(std::vector<double> samples_ms) {
-    assert(!samples_ms.empty());
-    std::ranges::sort(samples_ms);
-    const std::size_t middle = samples_ms.size() / 2;
-    const double median =
-        samples_ms.size() % 2 != 0 ? samples_ms[middle] : (samples_ms[middle - 1] + samples_ms[middle]) / 2;
-    return {median, samples_ms.front(), samples_ms.back()};
-}
-
 std::vector<RunTime> time_in_turn(std::span<const std::function<void()>> works, Stopwatch stopwatch,
                                   const TimingOptions& options) {
     constexpr std::size_t enough = 3;

@@ -25,7 +25,4 @@ struct TimingOptions {
 std::vector<RunTime> time_in_turn(std::span<const std::function<void()>> works, Stopwatch stopwatch,
                                   const TimingOptions& options);
 
-/// Median, least and largest of at least one sample.
-RunTime run_time_of(std::vector<double> samples_ms);
-
 }  // namespace matchlight

@@ -149,6 +149,51 @@ TEST_F(ReportTest, StabilityNeedsNoScene) {
     EXPECT_NE(bytes_of(folder / "report.html").find("8192"), std::string::npos);
 }
 
+TEST_F(ReportTest, TrackingIsTimedAndScored) {
+    // A truth that the solve can be held against: what it finds itself, one frame moved by a metre.
+    track();
+    json truth{{"poses", json::array()}};
+    for (const json& frame : json::parse(bytes_of(shot_ / "table.solve.json"))["frames"]) {
+        truth["poses"].push_back(
+            {{"frame", frame["frame"]}, {"cam_from_world", frame["camera_from_world"]}, {"ev", 0}});
+    }
+    const fs::path exact = scratch_.write("truth.json", truth.dump());
+    const fs::path folder = scratch_ / "report";
+    const RunResult result = report(folder, {"--track", "--quick", "--truth", exact, "--json", "-q"});
+    ASSERT_TRUE(succeeded(result));
+    const json written = json::parse(bytes_of(folder / "report.json"));
+    EXPECT_EQ(written, json::parse(result.standard_output));
+    EXPECT_EQ(written["track"]["frames"], 12);
+    std::map<std::string, json> points;
+    for (const json& point : written["track"]["points"]) points[point["name"]] = point;
+    ASSERT_EQ(points.size(), 8u);
+    for (const auto& [name, point] : points) {
+        EXPECT_GT(point["ms_median"], 0) << name;
+        EXPECT_EQ(point["posed"], 12) << name;
+        EXPECT_LE(point["median_px"], point["max_px"]) << name;
+        EXPECT_GT(point["leave_one_out_px"], 0) << name;
+    }
+    EXPECT_LT(points["final"]["max_px"], 1e-3);  // the same bits but for the file's digits
+    EXPECT_GT(points["fast"]["mean_px"], 1e-3);
+    EXPECT_LT(points["fast"]["mean_px"], points["AprilTag pose, codes"]["mean_px"]);
+    EXPECT_NEAR(points["final"]["nees_median"], 0, 1e-3);
+    EXPECT_LT(points["final"]["leave_one_out_px"], points["solvePnP, codes"]["leave_one_out_px"]);
+    const std::string page = bytes_of(folder / "report.html");
+    EXPECT_NE(page.find("registration error"), std::string::npos);
+    EXPECT_NE(page.find("<svg"), std::string::npos);
+    const std::string csv = bytes_of(folder / "report.csv");
+    EXPECT_EQ(std::ranges::count(csv, '\n'), 9);
+}
+
+TEST_F(ReportTest, RefusesWhatIsNoTruthOfTheFootage) {
+    const fs::path folder = scratch_ / "report";
+    EXPECT_TRUE(failed_naming(report(folder, {"--track", "--truth", scratch_ / "none.json"}), {"none.json"}));
+    const fs::path broken = scratch_.write("broken.json", "{\"poses\": [{\"frame\": 2}]}");
+    EXPECT_TRUE(failed_naming(report(folder, {"--track", "--truth", broken}), {"broken.json", "frame 2"}));
+    EXPECT_FALSE(fs::exists(folder));
+    EXPECT_TRUE(refused_call(run_matchlight({"report", "--track", "-o", folder})));
+}
+
 TEST_F(ReportTest, BudgetsAreKeptByTheTableOfTheMachine) {
     track();
     RunOptions options;
