@@ -2,6 +2,7 @@
 #include "tracking/response_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -24,6 +25,14 @@ using Groups = std::map<std::pair<int, std::size_t>, std::vector<CodePair>>;
 
 /// Gloss and veil on the ink change with the view by a few percent of its light.
 constexpr double view_sigma = 0.03;
+
+/// d log(light) / d code.
+double relative_slope(const Response& response, double code, int channel) {
+    constexpr double step = 1e-3;
+    return (std::log(response.linear_from_code(code + step, channel)) -
+            std::log(response.linear_from_code(code - step, channel))) /
+           (2 * step);
+}
 
 struct Observed {
     Groups groups;
@@ -59,10 +68,13 @@ Observed gather(const std::vector<std::vector<CardReading>>& readings) {
         ++counts[key][exposure_bin(paper.code)];
     });
     visit([&](const auto& key, const CardCode& paper, const CardCode& ink, double step) {
-        // Coding in blocks rounds means to a good part of a step, however many pixels they have.
+        // Coding in blocks rounds means to a good part of a step, however many pixels they have. The view's error is
+        // kept in codes, too (by sRGB's slope, near enough): errors that were fixed in light would favour whichever
+        // curve makes all ratios small.
         const double coding = 0.25 * step;
+        const double view = view_sigma / relative_slope(srgb, ink.code, 1);
         observed.groups[key].push_back({paper.code, ink.code, std::hypot(paper.standard_error, coding),
-                                        std::hypot(ink.standard_error, coding),
+                                        std::hypot(ink.standard_error, coding, view),
                                         1.0 / counts[key][exposure_bin(paper.code)]});
         const double ev = std::log2(srgb.linear_from_code(paper.code, 1));
         const auto [range, first] = ranges.try_emplace(key, ev, ev);
@@ -82,21 +94,19 @@ struct LogRatio {
 
 LogRatio log_ratio(const Response& response, const CodePair& pair, std::size_t channel) {
     const int c = static_cast<int>(channel);
-    const auto relative_slope = [&](double code) {
-        constexpr double step = 1e-3;
-        return (std::log(response.linear_from_code(code + step, c)) -
-                std::log(response.linear_from_code(code - step, c))) /
-               (2 * step);
-    };
     return {std::log(response.linear_from_code(pair.paper, c) / response.linear_from_code(pair.ink, c)),
-            std::pow(relative_slope(pair.paper) * pair.paper_error, 2) +
-                std::pow(relative_slope(pair.ink) * pair.ink_error, 2) + view_sigma * view_sigma,
+            std::pow(relative_slope(response, pair.paper, c) * pair.paper_error, 2) +
+                std::pow(relative_slope(response, pair.ink, c) * pair.ink_error, 2),
             pair.weight};
 }
 
-/// χ² (Cauchy's where it is large) of ratios about their groups' own values, and of those about the albedos'.
-double misfit(const Response& response, const Observed& observed, double log_albedo_ratio) {
-    double cost = 0;
+struct Misfit {
+    double ratios = 0;   // χ² (Cauchy's where it is large) of ratios about their groups' own values
+    double albedos = 0;  // of those values about the albedos'
+};
+
+Misfit misfit(const Response& response, const Observed& observed, double log_albedo_ratio) {
+    Misfit cost;
     std::vector<double> levels;
     for (const auto& [key, pairs] : observed.groups) {
         std::vector<LogRatio> ratios;
@@ -120,14 +130,15 @@ double misfit(const Response& response, const Observed& observed, double log_alb
         }
         for (const LogRatio& ratio : ratios) {
             const double residual = ratio.value - level;
-            cost += ratio.weight * knee2 * std::log1p(residual * residual / (knee2 * ratio.variance));
+            cost.ratios += ratio.weight * knee2 * std::log1p(residual * residual / (knee2 * ratio.variance));
         }
         levels.push_back(level);
     }
     // Gloss adds up to a fifth to the light of ink; prints differ by a tenth. All tags are printed alike: counted once.
     constexpr double usual_gloss = 0.07, ratio_sigma = 0.12;
     const double apart = (upper_median(std::move(levels)) - (log_albedo_ratio - usual_gloss)) / ratio_sigma;
-    return cost + apart * apart;
+    cost.albedos = apart * apart;
+    return cost;
 }
 
 /// The least of a function over [low, high]: the best of a grid, then golden sections about it.
@@ -166,15 +177,29 @@ ResponseFit fit_response(const std::vector<std::vector<CardReading>>& readings, 
     if (observed.range_ev < least_range_ev || observed.independent < fewest_independent) return fit;
     fit.told = true;
     const double log_ratio_expected = std::log(paper_over_ink);
-    const auto cost_of = [&](const Response& response) { return misfit(response, observed, log_ratio_expected); };
+    const auto shouldered = [](double knee) { return Response::shoulder({.knee = knee}, "response"); };
+    // Errors as they turn out: where even the best curve leaves more than what was assumed, all weigh less.
+    double inflation = 1;
+    const auto cost_of = [&](const Response& response) {
+        const Misfit cost = misfit(response, observed, log_ratio_expected);
+        return cost.ratios / inflation + cost.albedos;
+    };
+    const auto candidates = [&] {
+        const double exponent = least_at([&](double gamma) { return cost_of(Response::gamma(gamma)); }, 1.0, 3.2);
+        const double knee = least_at([&](double k) { return cost_of(shouldered(k)); }, 0.05, 0.95);
+        return std::array{Response::gamma(exponent), shouldered(knee)};
+    };
+    double least_ratios = misfit(fit.response, observed, log_ratio_expected).ratios;
+    for (const Response& candidate : candidates()) {
+        least_ratios = std::min(least_ratios, misfit(candidate, observed, log_ratio_expected).ratios);
+    }
+    const double freedom = std::max(1.0, observed.independent - static_cast<double>(observed.groups.size()) - 1);
+    inflation = std::max(1.0, least_ratios / freedom);
+
     const double penalty = std::log(observed.independent);
     const double srgb_cost = cost_of(fit.response);
     double best_cost = srgb_cost;
-
-    const double exponent = least_at([&](double gamma) { return cost_of(Response::gamma(gamma)); }, 1.0, 3.2);
-    const auto shouldered = [](double knee) { return Response::shoulder({.knee = knee}, "response"); };
-    const double knee = least_at([&](double k) { return cost_of(shouldered(k)); }, 0.05, 0.95);
-    for (const Response& candidate : {Response::gamma(exponent), shouldered(knee)}) {
+    for (const Response& candidate : candidates()) {
         const double cost = cost_of(candidate) + penalty;
         fit.gain_over_srgb = std::max(fit.gain_over_srgb, srgb_cost - cost);
         // "Strong" in the words of Kass & Raftery (1995): sRGB is left only for that.
