@@ -60,6 +60,20 @@ TEST(ResponseFit, FindsAnExponent) {
     }
 }
 
+TEST(ResponseFit, ScatterDoesNotFavourSmallExponents) {
+    auto readings = clip_of(Response::gamma(1.8), 1.5);
+    std::mt19937 random(9);
+    std::normal_distribution<double> gloss(0, 0.015);  // of ink's code: 2.7 % of its light, from view to view
+    for (auto& frame : readings) {
+        for (CardReading& card : frame) {
+            for (CardCode& ink : card.ink_code) ink.code *= 1 + gloss(random);
+        }
+    }
+    const ResponseFit fit = fit_response(readings, 20);
+    ASSERT_EQ(fit.response.family(), Response::Family::gamma);
+    EXPECT_NEAR(std::log(fit.response.linear_from_code(0.5, 1)) / std::log(0.5), 1.8, 0.05 * 1.8);
+}
+
 TEST(ResponseFit, FindsAShoulder) {
     const Response truth = Response::shoulder({.knee = 0.3}, "test");
     const ResponseFit fit = fit_response(clip_of(truth, 2, 1.1), 20);
