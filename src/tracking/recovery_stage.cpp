@@ -59,11 +59,13 @@ std::optional<ExpectedSheet> expected_sheet(const PlacedSheet& sheet, const Rigi
     }
     int inside = 0;
     constexpr int lattice = 8;
-    for (int i = 0; i < lattice * lattice; ++i) {
-        const double u = (i % lattice + 0.5) / lattice - 0.5, v = (i / lattice + 0.5) / lattice - 0.5;
-        const Eigen::Vector3d point = camera_from_tag * Eigen::Vector3d(u * sheet.size_m, v * sheet.size_m, 0);
-        const Eigen::Vector2d px = camera.pixel_from_camera(point);
-        inside += px.x() > 0 && px.y() > 0 && px.x() < camera.width - 1 && px.y() < camera.height - 1;
+    for (int row = 0; row < lattice; ++row) {
+        for (int column = 0; column < lattice; ++column) {
+            const double u = (column + 0.5) / lattice - 0.5, v = (row + 0.5) / lattice - 0.5;
+            const Eigen::Vector3d point = camera_from_tag * Eigen::Vector3d(u * sheet.size_m, v * sheet.size_m, 0);
+            const Eigen::Vector2d px = camera.pixel_from_camera(point);
+            inside += px.x() > 0 && px.y() > 0 && px.x() < camera.width - 1 && px.y() < camera.height - 1;
+        }
     }
     expected.inside = static_cast<double>(inside) / (lattice * lattice);
     return expected;

@@ -100,7 +100,8 @@ bool SheetImage::at(const SheetPixel& pixel, SheetSample& sample) const {
         const Eigen::Vector2d by(seen.by_a, seen.by_b);
         by_grid.col(0) += by;
         by_grid.col(1) += times_[i] * by;
-        by_grid.col(2) += 0.5 * times_[i] * times_[i] * by;
+        // The mean of ½·time² over the step: also a camera that only turns back has one.
+        by_grid.col(2) += 0.5 * (times_[i] * times_[i] + 1 / (12 * count * count)) * by;
         by_blur_a += seen.by_blur_a;
         by_blur_b += seen.by_blur_b;
     }

@@ -102,9 +102,10 @@ std::vector<RigPlace> search_rig(const FitSource& source, const std::vector<Plac
         double scale = 1, left = 1;
     };
     std::vector<Candidate> candidates;
-    // The start's motion is a guess: its length may be off by a factor, or it may be none.
-    std::vector<double> scales{0.0, 0.5, 0.75, 1.0, 1.33, 1.8};
-    if (start.motion.norm() < 1e-6) scales = {0.0};
+    // The start's motion is a guess, its length may be off by a factor. Never none: what follows could not tell which
+    // way to lengthen it, and would take it for blur.
+    std::vector<double> scales{0.2, 0.5, 0.75, 1.0, 1.33, 1.8};
+    if (start.motion.norm() < 1e-6) scales = {1.0};
     for (const double scale : scales) {
         MovingCamera camera = start;
         camera.motion *= scale;

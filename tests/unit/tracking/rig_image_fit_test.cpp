@@ -73,6 +73,19 @@ TEST(RigImageFit, KnowsHowItsPoseFollowsAnAcceleration) {
     EXPECT_LT(corner_distance_px(corrected, true_pose, ordinary_camera()), 0.1);
 }
 
+TEST(RigImageFit, KnowsWhereACameraThatTurnsBackWas) {
+    // It comes and goes by the same 3 px within the exposure: the middle of its way is a pixel from where it turns.
+    const PoseStep bend = motion_of(24, 4);
+    const ImageF light = reference_light(moving_view(true_pose, PoseStep::Zero(), bend));
+    const LensGrid lens(ordinary_camera());
+    const std::vector<PlacedSheet> sheets = test::placed(test::three_sheets());
+    const auto fit = fit_rig_image({light, 0, 0, lens, never_clipped}, sheets, start_off_by(3, PoseStep::Zero()), {8});
+    ASSERT_TRUE(fit);
+    EXPECT_GT(corner_distance_px(fit->camera.camera_from_world, true_pose, ordinary_camera()), 0.7);
+    const RigidTransform corrected = perturbed(fit->camera.camera_from_world, fit->pose_by_bend * bend);
+    EXPECT_LT(corner_distance_px(corrected, true_pose, ordinary_camera()), 0.2);
+}
+
 TEST(RigImageFit, ErrorsAreWithinTheirCovariance) {
     const PoseStep motion = motion_of(18, -12);
     const ImageF clean = reference_light(moving_view(true_pose, motion, PoseStep::Zero()));
