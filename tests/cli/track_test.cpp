@@ -132,7 +132,13 @@ TEST_F(TrackCommand, FindsThePathOfTheSampleShot) {
     EXPECT_EQ(report.at("frames"), 12);
     EXPECT_EQ(report.at("posed"), 12);
     EXPECT_EQ(report.at("frames_by_tag"), json({{"0", 12}, {"1", 12}, {"2", 12}, {"3", 12}}));
+    const json& light = report.at("photometry");
+    EXPECT_EQ(light.at("frames_measured"), 12);
+    EXPECT_EQ(light.at("tags_in_probe"), 1);      // the probe stands over tag 0 and sees the others from the side
+    EXPECT_TRUE(light.at("vignette").is_null());  // the tags stay where they are in the frame
+    EXPECT_FALSE(light.at("noise").is_null());
     const json found = solve();
+    EXPECT_EQ(found.at("photometry").at("noise").at("shot"), light.at("noise").at("shot"));
     EXPECT_EQ(found.at("frames").size(), 12u);
     EXPECT_EQ(found.at("footage").at("file"), "plate.mp4");
     for (const TrueFrame& truth : true_frames) {
