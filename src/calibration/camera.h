@@ -49,10 +49,11 @@ struct Camera {
 
 /// Reads OpenCV YAML/XML/JSON (`image_width`, `image_height`, `camera_matrix`, `distortion_coefficients`, optional
 /// `distortion_model`/`camera_model` "fisheye", optional `parameter_sigmas`: those of fx fy cx cy and of each
-/// coefficient). Throws InputError: focal length zero, negative or NaN, sizes missing,
+/// coefficient); ROS' camera_info, also as printed from a topic; Kalibr's camchain (pinhole-radtan, pinhole-equi; its
+/// first camera). Throws InputError: focal length zero, negative or NaN, sizes missing,
 /// a matrix of another shape, non-finite coefficients.
 Camera load_camera(const std::filesystem::path& path);
-/// Writes the same YAML.
+/// Writes OpenCV's YAML. Other formats: camera_formats.h.
 void save_camera(const std::filesystem::path& path, const Camera& camera);
 
 /// The camera for footage of another size with the same field of view (a calibration at full resolution used on a

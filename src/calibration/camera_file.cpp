@@ -1,4 +1,5 @@
-// Reads and writes camera files: OpenCV's YAML, XML and JSON, and the YAML of ROS, which differs by its missing header.
+// Reads camera files: OpenCV's YAML, XML and JSON, the YAML of ROS, which differs by its missing header or, printed
+// from a topic, by its keys, and Kalibr's, whose cameras stand under names of their own.
 #include <cmath>
 #include <string>
 #include <utility>
@@ -72,14 +73,19 @@ NumberTable read_table(const cv::FileNode& node, const std::filesystem::path& pa
     return table;
 }
 
-int read_size(const cv::FileStorage& file, const std::filesystem::path& path, const char* key, const char* old_key) {
-    const cv::FileNode node = find_key(file, {key, old_key});
-    if (node.empty()) fail(path, std::string("no ") + key);
-    const double value = node.isInt() || node.isReal() ? static_cast<double>(node) : 0;
+int picture_size(double value, const std::filesystem::path& path, const char* key) {
     if (!(value >= 1 && value <= largest_side_px) || value != std::floor(value)) {
         fail(path, std::string(key) + " is not a picture size");
     }
     return static_cast<int>(value);
+}
+
+int read_size(const cv::FileStorage& file, const std::filesystem::path& path,
+              std::initializer_list<const char*> spellings) {
+    const char* key = *spellings.begin();
+    const cv::FileNode node = find_key(file, spellings);
+    if (node.empty()) fail(path, std::string("no ") + key);
+    return picture_size(node.isInt() || node.isReal() ? static_cast<double>(node) : 0, path, key);
 }
 
 LensModel read_lens(const cv::FileStorage& file, const std::filesystem::path& path) {
@@ -96,7 +102,7 @@ LensModel read_lens(const cv::FileStorage& file, const std::filesystem::path& pa
 }
 
 void read_matrix(Camera& camera, const cv::FileStorage& file, const std::filesystem::path& path) {
-    const cv::FileNode node = find_key(file, {"camera_matrix", "Camera_Matrix", "cameraMatrix"});
+    const cv::FileNode node = find_key(file, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "K", "k"});
     if (node.empty()) fail(path, "no camera_matrix");
     const NumberTable k = read_table(node, path, "camera_matrix");
     const bool square = k.values.size() == 9 && (k.rows == 3 || k.rows == 9 || k.rows == 1);
@@ -112,7 +118,8 @@ void read_matrix(Camera& camera, const cv::FileStorage& file, const std::filesys
 }
 
 void read_distortion(Camera& camera, const cv::FileStorage& file, const std::filesystem::path& path) {
-    const cv::FileNode node = find_key(file, {"distortion_coefficients", "Distortion_Coefficients", "distCoeffs"});
+    const cv::FileNode node =
+        find_key(file, {"distortion_coefficients", "Distortion_Coefficients", "distCoeffs", "D", "d"});
     if (node.empty()) return;  // a pinhole
     camera.distortion = read_table(node, path, "distortion_coefficients").values;
     const std::size_t count = camera.distortion.size();
@@ -136,12 +143,61 @@ void read_sigmas(Camera& camera, const cv::FileStorage& file, const std::filesys
     camera.sigmas = {values[0], values[1], values[2], values[3], {values.begin() + of_matrix, values.end()}};
 }
 
+/// Kalibr's camchain: the first camera of the file; or one camera's keys alone.
+cv::FileNode kalibr_camera(const cv::FileStorage& file) {
+    if (const cv::FileNode first = file["cam0"]; first.isMap()) return first;
+    return file["intrinsics"].isSeq() && !file["resolution"].empty() ? file.root() : cv::FileNode();
+}
+
+Camera read_kalibr(const cv::FileNode& node, const std::filesystem::path& path) {
+    const auto word = [&](const char* key) { return node[key].isString() ? node[key].string() : std::string(); };
+    const std::string model = word("camera_model"), distortion = word("distortion_model");
+    if (model != "pinhole" || (distortion != "radtan" && distortion != "equidistant" && distortion != "none")) {
+        fail(path, "Kalibr's camera model \"" + printable(model + "-" + distortion) +
+                       "\" is not known (pinhole-radtan, pinhole-equi)");
+    }
+    const auto numbers = [&](const char* key, std::size_t count) {
+        if (node[key].empty()) fail(path, std::string("no ") + key);
+        std::vector<double> values = read_table(node[key], path, key).values;
+        if (values.size() != count)
+            fail(path, std::string(key) + " does not hold " + std::to_string(count) + " numbers");
+        return values;
+    };
+    Camera camera;
+    const std::vector<double> size = numbers("resolution", 2), k = numbers("intrinsics", 4);
+    camera.width = picture_size(size[0], path, "resolution");
+    camera.height = picture_size(size[1], path, "resolution");
+    if (!(k[0] > 0 && k[1] > 0)) fail(path, "the focal length is zero or negative");
+    camera.fx = k[0];
+    camera.fy = k[1];
+    camera.cx = k[2];
+    camera.cy = k[3];
+    camera.lens = distortion == "equidistant" ? LensModel::fisheye : LensModel::radtan;
+    if (distortion != "none") camera.distortion = numbers("distortion_coeffs", 4);
+    return camera;
+}
+
+/// Moves the items of lists, which Kalibr and ROS write in the column of the list's key, to the right of it: there
+/// OpenCV's reader looks for them.
+std::string with_indented_lists(const std::string& text) {
+    std::string indented;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find('\n', begin), text.size() - 1) + 1;
+        const std::size_t first = text.find_first_not_of(' ', begin);
+        if (first + 1 < end && text[first] == '-' && text[first + 1] == ' ') indented += "  ";
+        indented.append(text, begin, end - begin);
+        begin = end;
+    }
+    return indented;
+}
+
 std::string with_yaml_header(std::string text) {
     if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
     const std::size_t first = text.find_first_not_of(" \t\r\n");
     const bool has_format = first != std::string::npos &&
                             (text.compare(first, 5, "%YAML") == 0 || text[first] == '{' || text[first] == '<');
     if (has_format) return text.substr(first);
+    text = with_indented_lists(text);
     const bool has_start = first != std::string::npos && text.compare(first, 3, "---") == 0;
     return "%YAML:1.0\n" + std::string(has_start ? "" : "---\n") + text;
 }
@@ -154,9 +210,10 @@ Camera load_camera(const std::filesystem::path& path) {
     try {
         const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
         if (!file.isOpened()) fail(path, "this is no camera file");
+        if (const cv::FileNode node = kalibr_camera(file); !node.empty()) return read_kalibr(node, path);
         Camera camera;
-        camera.width = read_size(file, path, "image_width", "image_Width");
-        camera.height = read_size(file, path, "image_height", "image_Height");
+        camera.width = read_size(file, path, {"image_width", "image_Width", "width"});
+        camera.height = read_size(file, path, {"image_height", "image_Height", "height"});
         camera.lens = read_lens(file, path);
         read_matrix(camera, file, path);
         read_distortion(camera, file, path);
@@ -165,24 +222,6 @@ Camera load_camera(const std::filesystem::path& path) {
     } catch (const cv::Exception& error) {
         fail(path, "this is no camera file (" + printable(error.err) + ")");
     }
-}
-
-void save_camera(const std::filesystem::path& path, const Camera& camera) {
-    cv::FileStorage file(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML);
-    file << "image_width" << camera.width << "image_height" << camera.height;
-    const cv::Mat k = (cv::Mat_<double>(3, 3) << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
-    file << "camera_matrix" << k;
-    if (camera.lens == LensModel::fisheye)
-        file << "distortion_model"
-             << "fisheye";
-    const cv::Mat column(camera.distortion, true);
-    file << "distortion_coefficients" << (column.empty() ? column : column.reshape(1, 1));
-    if (camera.sigmas) {
-        std::vector<double> sigmas = {camera.sigmas->fx, camera.sigmas->fy, camera.sigmas->cx, camera.sigmas->cy};
-        sigmas.insert(sigmas.end(), camera.sigmas->distortion.begin(), camera.sigmas->distortion.end());
-        file << "parameter_sigmas" << cv::Mat(sigmas, true).reshape(1, 1);
-    }
-    write_text_file(path, file.releaseAndGetString());
 }
 
 }  // namespace matchlight

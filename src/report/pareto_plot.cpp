@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "report/html_text.h"
+#include "core/html_text.h"
 
 namespace matchlight {
 namespace {

@@ -3,9 +3,10 @@
 
 #include <fmt/format.h>
 
+#include "core/html_text.h"
+#include "core/page_style.h"
 #include "core/version.h"
-#include "report/html_text.h"
-#include "report/page_style.h"
+#include "report/embedded_png.h"
 #include "report/pareto_plot.h"
 #include "report/report.h"
 #include "report/track_text.h"

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "core/html_text.h"
+#include "core/page_style.h"
 #include "core/version.h"
 #include "report/curve_plot.h"
-#include "report/html_text.h"
-#include "report/page_style.h"
 #include "report/path_plot.h"
 #include "report/solve_overlay.h"
 #include "report/solve_tables.h"

@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "report/html_text.h"
+#include "core/html_text.h"
 
 namespace matchlight {
 namespace {

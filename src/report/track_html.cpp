@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "report/html_text.h"
+#include "core/html_text.h"
 #include "report/pareto_plot.h"
 #include "report/track_text.h"
 

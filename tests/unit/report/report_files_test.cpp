@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "report/html_text.h"
+#include "report/embedded_png.h"
 #include "report/pareto_plot.h"
 #include "report/report.h"
 

@@ -1,5 +1,5 @@
-// Entities, and pictures as data URLs.
-#include "report/html_text.h"
+// Pictures as data URLs.
+#include "report/embedded_png.h"
 
 #include <cassert>
 #include <cstdint>
@@ -12,29 +12,6 @@
 #include "core/base64.h"
 
 namespace matchlight {
-
-std::string html_text(const std::string& text) {
-    std::string html;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                html += "&amp;";
-                break;
-            case '<':
-                html += "&lt;";
-                break;
-            case '>':
-                html += "&gt;";
-                break;
-            case '"':
-                html += "&quot;";
-                break;
-            default:
-                html += c;
-        }
-    }
-    return html;
-}
 
 std::string embedded_png(const Image8& picture, int most_width_px) {
     assert(picture.channels() == 1 || picture.channels() == 3);

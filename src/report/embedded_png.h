@@ -1,4 +1,4 @@
-// Text and pictures as they stand inside an HTML page.
+// Pictures as they stand inside an HTML page.
 #pragma once
 
 #include <string>
@@ -6,9 +6,6 @@
 #include "core/image.h"
 
 namespace matchlight {
-
-/// With &, <, > and quotes written as entities.
-std::string html_text(const std::string& text);
 
 /// A PNG of the picture (1 or 3 channels) as a data URL, scaled down by area where it is wider than `most_width_px`.
 std::string embedded_png(const Image8& picture, int most_width_px);
