@@ -70,19 +70,6 @@ Distorted distort_radtan(const Camera& camera, const Vector2d& n) {
     return d;
 }
 
-/// The homography of a sensor tilted by τx about x, then τy about y, as OpenCV defines it.
-Matrix3d tilt_homography(const Camera& camera) {
-    const double tau_x = coefficient(camera, 12), tau_y = coefficient(camera, 13);
-    if (tau_x == 0 && tau_y == 0) return Matrix3d::Identity();
-    const double cx = std::cos(tau_x), sx = std::sin(tau_x), cy = std::cos(tau_y), sy = std::sin(tau_y);
-    Matrix3d about_x, about_y, onto_plane;
-    about_x << 1, 0, 0, 0, cx, sx, 0, -sx, cx;
-    about_y << cy, 0, -sy, 0, 1, 0, sy, 0, cy;
-    const Matrix3d rotation = about_y * about_x;
-    onto_plane << rotation(2, 2), 0, -rotation(0, 2), 0, rotation(2, 2), -rotation(1, 2), 0, 0, 1;
-    return onto_plane * rotation;
-}
-
 Vector2d through_homography(const Matrix3d& homography, const Vector2d& point) {
     return (homography * point.homogeneous()).hnormalized();
 }
@@ -190,6 +177,18 @@ Vector2d undistort_fisheye(const Camera& camera, const Vector2d& target) {
 
 }  // namespace
 
+Eigen::Matrix3d sensor_tilt_homography(const Camera& camera) {
+    const double tau_x = coefficient(camera, 12), tau_y = coefficient(camera, 13);
+    if (tau_x == 0 && tau_y == 0) return Matrix3d::Identity();
+    const double cx = std::cos(tau_x), sx = std::sin(tau_x), cy = std::cos(tau_y), sy = std::sin(tau_y);
+    Matrix3d about_x, about_y, onto_plane;
+    about_x << 1, 0, 0, 0, cx, sx, 0, -sx, cx;
+    about_y << cy, 0, -sy, 0, 1, 0, sy, 0, cy;
+    const Matrix3d rotation = about_y * about_x;
+    onto_plane << rotation(2, 2), 0, -rotation(0, 2), 0, rotation(2, 2), -rotation(1, 2), 0, 0, 1;
+    return onto_plane * rotation;
+}
+
 bool valid_distortion_count(LensModel lens, std::size_t count) {
     if (lens == LensModel::fisheye) return count == 0 || count == 4;
     return count == 0 || count == 4 || count == 5 || count == 8 || count == 12 || count == 14;
@@ -212,7 +211,7 @@ Eigen::Vector2d Camera::pixel_from_normalized(const Eigen::Vector2d& normalized)
     if (lens == LensModel::fisheye) {
         sensor = distort_fisheye(*this, normalized);
     } else if (has_distortion()) {
-        sensor = through_homography(tilt_homography(*this), distort_radtan(*this, normalized).point);
+        sensor = through_homography(sensor_tilt_homography(*this), distort_radtan(*this, normalized).point);
     }
     return {fx * sensor.x() + cx, fy * sensor.y() + cy};
 }
@@ -223,7 +222,7 @@ Eigen::Vector2d Camera::normalized_from_pixel(const Eigen::Vector2d& pixel) cons
     if (!sensor.allFinite()) return unreachable();
     if (lens == LensModel::fisheye) return undistort_fisheye(*this, sensor);
     if (!has_distortion()) return sensor;
-    return undistort_radtan(*this, through_homography(tilt_homography(*this).inverse(), sensor));
+    return undistort_radtan(*this, through_homography(sensor_tilt_homography(*this).inverse(), sensor));
 }
 
 Camera camera_for_size(const Camera& camera, int width, int height, const std::filesystem::path& reported) {

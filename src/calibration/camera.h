@@ -47,6 +47,10 @@ struct Camera {
     }
 };
 
+/// The homography of a sensor tilted by τx about x, then τy about y, as OpenCV defines it: the last step before the
+/// camera matrix in the radtan model; the identity without tilt.
+Eigen::Matrix3d sensor_tilt_homography(const Camera& camera);
+
 /// Reads OpenCV YAML/XML/JSON (`image_width`, `image_height`, `camera_matrix`, `distortion_coefficients`, optional
 /// `distortion_model`/`camera_model` "fisheye", optional `parameter_sigmas`: those of fx fy cx cy and of each
 /// coefficient); ROS' camera_info, also as printed from a topic; Kalibr's camchain (pinhole-radtan, pinhole-equi; its

@@ -157,12 +157,18 @@ void run_track(const TrackCall& call, CommandContext& context) {
                 {"ids_outside_the_rig", counts_json(summary.foreign_ids)},
                 {"exposure_from_probe", summary.exposure_from_probe},
                 {"photometry", photometry_json(solve, summary.photometry)},
+                {"leave_one_out_px", summary.leave_one_out_px ? json(*summary.leave_one_out_px) : json(nullptr)},
+                {"notes", summary.notes},
                 {"seconds", seconds}};
     std::string text = fmt::format(
         "{}: {} of {} frames have a pose ({} bridged), reprojection {:.3f} px mean, {:.3f} worst\n", output.string(),
         summary.posed, summary.frames, summary.bridged, summary.mean_reprojection_px, summary.worst_reprojection_px);
     for (const auto& [id, count] : summary.frames_by_tag) text += fmt::format("  tag {}: {} frames\n", id, count);
     text += photometry_text(solve, summary.photometry);
+    if (summary.leave_one_out_px) {
+        text += fmt::format("  tags as the others predict them: {:.3f} px median\n", *summary.leave_one_out_px);
+    }
+    for (const std::string& note : summary.notes) text += fmt::format("  {}\n", note);
     if (page) {
         result["report"] = page->path().string();
         text += fmt::format("{}\n", page->path().string());

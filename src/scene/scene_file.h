@@ -17,13 +17,19 @@
 
 namespace matchlight {
 
+/// Whether the clip may correct the calibrated lens: where the evidence is clear, never, or in any case.
+enum class LensRefinement { automatic, off, on };
+
 struct FootageSettings {
-    std::filesystem::path video;  // a video, or an image sequence "frames/%04d.jpg"
-    std::filesystem::path camera;
-    std::filesystem::path solve;  // "<scene>.solve.json" beside the scene unless given
+    std::filesystem::path video;   // a video, or an image sequence "frames/%04d.jpg"
+    std::filesystem::path camera;  // empty: `track` finds the lens with the path
+    std::filesystem::path solve;   // "<scene>.solve.json" beside the scene unless given
     std::optional<std::filesystem::path> response;
-    bool solve_response = false;              // response = "solve": `track` finds it
-    std::optional<double> fps;                // for image sequences
+    bool solve_response = false;  // response = "solve": `track` finds it
+    std::optional<double> fps;    // for image sequences
+    LensRefinement refine_lens = LensRefinement::automatic;
+    double readout_s = 0;                     // rolling shutter: from the first row to the last
+    bool solve_readout = false;               // `track` finds it
     std::optional<std::string> color_matrix;  // "bt601", "bt709", "bt2020": overrides the file's tag
     std::optional<std::string> color_range;   // "limited", "full"
 };

@@ -49,7 +49,8 @@ const std::vector<Setting> own_settings = {
     {"footage", "video", of_kind(footage), "", must_be_given,
      "video file, or an image sequence such as `frames/%04d.jpg`",
      [](Scene& s, const SettingValue& v) { s.footage.video = v.path; }},
-    {"footage", "camera", of_kind(input_file), "", must_be_given, "the lens: OpenCV's YAML, as `calibrate` writes it",
+    {"footage", "camera", of_kind(input_file), "", "",
+     "the lens: OpenCV's YAML, as `calibrate` writes it; unless given, `track` finds it with the path",
      [](Scene& s, const SettingValue& v) { s.footage.camera = v.path; }},
     {"footage", "solve", of_kind(any_file), "", "",
      "written by `track`, read by `render`; beside the scene under its name unless given",
@@ -59,6 +60,19 @@ const std::vector<Setting> own_settings = {
      [](Scene& s, const SettingValue& v) {
          s.footage.solve_response = !v.text.empty();
          if (v.text.empty()) s.footage.response = v.path;
+     }},
+    {"footage", "refine_lens", one_of({"auto", "off", "on"}), "", "\"auto\"",
+     "`track` corrects the calibrated lens: where the clip's evidence is clear, never, or in any case",
+     [](Scene& s, const SettingValue& v) { s.footage.refine_lens = static_cast<LensRefinement>(v.choice); }},
+    {"footage",
+     "readout",
+     {.kind = measure, .lowest = 0, .highest = 1, .choices = {"solve"}},
+     "s",
+     "0",
+     "rolling shutter: time from the first row to the last; `track` finds it where it is \"solve\"",
+     [](Scene& s, const SettingValue& v) {
+         s.footage.solve_readout = !v.text.empty();
+         s.footage.readout_s = v.number;
      }},
     {"footage", "fps", above(number, 0, 10000), "1/s", "", "frame rate of an image sequence; 25 unless given",
      [](Scene& s, const SettingValue& v) { s.footage.fps = v.number; }},
@@ -190,6 +204,8 @@ std::string_view type_name(SettingKind kind) {
             return "text";
         case choice:
             return "word";
+        case measure:
+            return "number";
         case color:
             return "[r, g, b]";
         case vector:
@@ -273,6 +289,7 @@ std::string describe(const SettingDomain& domain) {
         words += fmt::format(", {} {}", domain.above_lowest ? "above" : "from", domain.lowest);
         if (std::isfinite(domain.highest)) words += fmt::format(" to {}", domain.highest);
     }
+    if (domain.kind == measure) words += fmt::format(", or \"{}\"", fmt::join(domain.choices, "\", \""));
     return words;
 }
 

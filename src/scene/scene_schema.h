@@ -22,6 +22,7 @@ enum class SettingKind {
     number,
     text,
     choice,      // one of a few words
+    measure,     // a number, or one of a few words: then `text` is the word, otherwise empty
     color,       // [r, g, b], scene-linear
     vector,      // [x, y, z]
     scale,       // a number for all axes, or [x, y, z]

@@ -141,6 +141,14 @@ SettingValue read_setting(const SceneSource& source, const Setting& setting, con
             value.choice = choice_of(source, setting, node);
             value.text = setting.domain.choices[value.choice];
             break;
+        case SettingKind::measure:
+            if (node.is_string()) {
+                value.choice = choice_of(source, setting, node);
+                value.text = setting.domain.choices[value.choice];
+            } else {
+                value.number = number_of(source, setting, node);
+            }
+            break;
         case SettingKind::color:
         case SettingKind::vector:
             value.vector = vector_of(source, setting, node);

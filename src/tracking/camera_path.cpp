@@ -11,6 +11,27 @@ namespace matchlight {
 
 namespace {
 
+/// Half at 25 px or at 75° of tilt, certain at twice the size or a steeper view.
+double tag_confidence(const TagObservation& seen, double cosine) {
+    const double size = std::clamp(seen.side_px / 50, 0.0, 1.0);
+    const double view = std::clamp(cosine / (2 * std::cos(75 * std::numbers::pi / 180)), 0.0, 1.0);
+    const double fit = seen.refined ? std::clamp((seen.correlation - 0.7) / 0.2, 0.0, 1.0) : 0.3;
+    return std::min(0.98, size * view * fit);
+}
+
+bool is_cut_off(const PlacedObservation& tag, const Camera& camera) {
+    const Eigen::Array4d x = tag.seen->corners_px.row(0).transpose(), y = tag.seen->corners_px.row(1).transpose();
+    return x.minCoeff() < 0 || y.minCoeff() < 0 || x.maxCoeff() > camera.width - 1 || y.maxCoeff() > camera.height - 1;
+}
+
+/// Standard deviation, by the covariance, of where a point one tag's size above the largest tag would be drawn:
+/// where objects stand.
+double expected_error_px(const std::vector<PlacedObservation>& tags, const CameraPose& pose, const Camera& camera) {
+    const auto& largest = *std::ranges::max_element(tags, {}, [](const auto& tag) { return tag.seen->side_px; });
+    const Eigen::Vector3d world = largest.world_from_tag * Eigen::Vector3d(0, 0, largest.size_m);
+    return projection_sigma_px(pose, camera, world);
+}
+
 class PathSolver {
 public:
     PathSolver(const std::vector<RigTag>& rig, const std::map<int, RigidTransform>& places, const Camera& camera)
@@ -40,7 +61,11 @@ public:
             if (!chosen[f]) continue;
             CameraPose pose = candidates[f].poses[*chosen[f]];
             path.frames[f].outvoted = drop_outvoted(used[f], pose);
-            describe(path.frames[f], used[f], pose);
+            describe_frame(path.frames[f], used[f], pose, camera_);
+            for (const PlacedObservation& tag : used[f]) {
+                path.frames[f].tags.push_back(tag.seen->id);
+                path.frames[f].sightings.push_back(static_cast<std::size_t>(tag.seen - frames[f].tags.data()));
+            }
         }
         return path;
     }
@@ -104,64 +129,6 @@ private:
 
     static Eigen::Vector2d centre_px(const PlacedObservation& tag) { return tag.seen->corners_px.rowwise().mean(); }
 
-    void describe(PathFrame& frame, const std::vector<PlacedObservation>& tags, const CameraPose& pose) const {
-        frame.pose = pose;
-        for (const PlacedObservation& tag : tags) frame.tags.push_back(tag.seen->id);
-        frame.reprojection_px = reprojection_rms_px(tags, pose.camera_from_world, camera_);
-        double doubt = 1, largest_px = 0, least_tilt = std::numbers::pi;
-        bool all_cut = true;
-        for (const PlacedObservation& tag : tags) {
-            const Eigen::Vector3d centre = pose.camera_from_world * tag.world_from_tag.translation();
-            const Eigen::Vector3d normal =
-                pose.camera_from_world.linear() * tag.world_from_tag.linear() * Eigen::Vector3d::UnitZ();
-            const double cosine = std::clamp(-normal.dot(centre.normalized()), 0.0, 1.0);
-            largest_px = std::max(largest_px, tag.seen->side_px);
-            least_tilt = std::min(least_tilt, std::acos(cosine));
-            all_cut = all_cut && is_cut_off(tag);
-            doubt *= 1 - tag_confidence(*tag.seen, cosine);
-        }
-        constexpr double small_px = 25, grazing_rad = 75 * std::numbers::pi / 180;
-        frame.small = largest_px < small_px;
-        frame.grazing = least_tilt > grazing_rad;
-        frame.cut_off = all_cut;
-        const double expected_px = expected_error_px(tags, pose);
-        constexpr double disagreeing_px = 2;  // several times what blur and noise leave
-        frame.disagreeing = frame.reprojection_px > disagreeing_px;
-        frame.confidence = (1 - doubt) / (1 + expected_px * expected_px) * (frame.disagreeing ? 0.3 : 1.0) *
-                           (frame.cut_off ? 0.5 : 1.0);
-    }
-
-    /// Half at 25 px or at 75° of tilt, certain at twice the size or a steeper view.
-    static double tag_confidence(const TagObservation& seen, double cosine) {
-        const double size = std::clamp(seen.side_px / 50, 0.0, 1.0);
-        const double view = std::clamp(cosine / (2 * std::cos(75 * std::numbers::pi / 180)), 0.0, 1.0);
-        const double fit = seen.refined ? std::clamp((seen.correlation - 0.7) / 0.2, 0.0, 1.0) : 0.3;
-        return std::min(0.98, size * view * fit);
-    }
-
-    bool is_cut_off(const PlacedObservation& tag) const {
-        const Eigen::Array4d x = tag.seen->corners_px.row(0).transpose(), y = tag.seen->corners_px.row(1).transpose();
-        return x.minCoeff() < 0 || y.minCoeff() < 0 || x.maxCoeff() > camera_.width - 1 ||
-               y.maxCoeff() > camera_.height - 1;
-    }
-
-    /// Standard deviation, by the covariance, of where a point one tag's size above the largest tag would be drawn:
-    /// where objects stand.
-    double expected_error_px(const std::vector<PlacedObservation>& tags, const CameraPose& pose) const {
-        const auto& largest = *std::ranges::max_element(tags, {}, [](const auto& tag) { return tag.seen->side_px; });
-        const Eigen::Vector3d world = largest.world_from_tag * Eigen::Vector3d(0, 0, largest.size_m);
-        const Eigen::Vector3d point = pose.camera_from_world * world;
-        Eigen::Matrix<double, 2, 3> by_point;
-        by_point << camera_.fx / point.z(), 0, -camera_.fx * point.x() / (point.z() * point.z()), 0,
-            camera_.fy / point.z(), -camera_.fy * point.y() / (point.z() * point.z());
-        Eigen::Matrix3d cross;
-        cross << 0, -world.z(), world.y(), world.z(), 0, -world.x(), -world.y(), world.x(), 0;
-        Eigen::Matrix<double, 3, 6> by_perturbation;
-        by_perturbation << -pose.camera_from_world.linear() * cross, pose.camera_from_world.linear();
-        const Eigen::Matrix<double, 2, 6> jacobian = by_point * by_perturbation;
-        return std::sqrt(std::max(0.0, (jacobian * pose.covariance * jacobian.transpose()).trace()));
-    }
-
     const Camera& camera_;
     std::map<int, PlacedObservation> placed_;  // without an observation yet
     Eigen::Vector3d target_ = Eigen::Vector3d::Zero();
@@ -169,6 +136,33 @@ private:
 };
 
 }  // namespace
+
+void describe_frame(PathFrame& frame, const std::vector<PlacedObservation>& tags, const CameraPose& pose,
+                    const Camera& camera) {
+    frame.pose = pose;
+    frame.reprojection_px = reprojection_rms_px(tags, pose.camera_from_world, camera);
+    double doubt = 1, largest_px = 0, least_tilt = std::numbers::pi;
+    bool all_cut = true;
+    for (const PlacedObservation& tag : tags) {
+        const Eigen::Vector3d centre = pose.camera_from_world * tag.world_from_tag.translation();
+        const Eigen::Vector3d normal =
+            pose.camera_from_world.linear() * tag.world_from_tag.linear() * Eigen::Vector3d::UnitZ();
+        const double cosine = std::clamp(-normal.dot(centre.normalized()), 0.0, 1.0);
+        largest_px = std::max(largest_px, tag.seen->side_px);
+        least_tilt = std::min(least_tilt, std::acos(cosine));
+        all_cut = all_cut && is_cut_off(tag, camera);
+        doubt *= 1 - tag_confidence(*tag.seen, cosine);
+    }
+    constexpr double small_px = 25, grazing_rad = 75 * std::numbers::pi / 180;
+    frame.small = largest_px < small_px;
+    frame.grazing = least_tilt > grazing_rad;
+    frame.cut_off = all_cut;
+    const double expected_px = expected_error_px(tags, pose, camera);
+    constexpr double disagreeing_px = 2;  // several times what blur and noise leave
+    frame.disagreeing = frame.reprojection_px > disagreeing_px;
+    frame.confidence =
+        (1 - doubt) / (1 + expected_px * expected_px) * (frame.disagreeing ? 0.3 : 1.0) * (frame.cut_off ? 0.5 : 1.0);
+}
 
 CameraPath solve_path(const std::vector<RigTag>& rig, const std::map<int, RigidTransform>& world_from_tag,
                       const std::vector<FrameObservations>& frames, const Camera& camera) {

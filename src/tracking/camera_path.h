@@ -17,10 +17,11 @@ struct PathFrame {
     std::int64_t frame = 0;
     double time_s = 0;
     std::optional<CameraPose> pose;
-    double reprojection_px = 0;  // RMS; of frames with tags
-    double confidence = 0;       // 0..1
-    std::vector<int> tags;       // ids the pose rests on
-    bool bridged = false;        // between its neighbours, without a tag
+    double reprojection_px = 0;          // RMS; of frames with tags
+    double confidence = 0;               // 0..1
+    std::vector<int> tags;               // ids the pose rests on
+    std::vector<std::size_t> sightings;  // the same as indices into FrameObservations::tags
+    bool bridged = false;                // between its neighbours, without a tag
     // Why the confidence is low.
     bool small = false, grazing = false, cut_off = false, disagreeing = false;
     bool seen_twice = false;
@@ -31,6 +32,10 @@ struct CameraPath {
     std::vector<PathFrame> frames;
     std::int64_t bridged = 0, missing = 0;
 };
+
+/// What is said of a frame whose pose rests on `tags`: RMS, confidence and the reasons why it is low.
+void describe_frame(PathFrame& frame, const std::vector<PlacedObservation>& tags, const CameraPose& pose,
+                    const Camera& camera);
 
 /// `world_from_tag` holds the places of the rig (RigSolution). Ids that a frame shows twice are resolved by the other
 /// tags, or by where the tag was before.

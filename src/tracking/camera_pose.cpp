@@ -244,6 +244,17 @@ std::vector<CameraPose> candidate_poses(const std::vector<PlacedObservation>& ta
     return poses;
 }
 
+double projection_sigma_px(const CameraPose& pose, const Camera& camera, const Eigen::Vector3d& point_world_m) {
+    const Eigen::Vector3d point = pose.camera_from_world * point_world_m;
+    Eigen::Matrix<double, 2, 3> by_point;
+    by_point << camera.fx / point.z(), 0, -camera.fx * point.x() / (point.z() * point.z()), 0, camera.fy / point.z(),
+        -camera.fy * point.y() / (point.z() * point.z());
+    Eigen::Matrix<double, 3, 6> by_perturbation;
+    by_perturbation << -pose.camera_from_world.linear() * cross_matrix(point_world_m), pose.camera_from_world.linear();
+    const Eigen::Matrix<double, 2, 6> jacobian = by_point * by_perturbation;
+    return std::sqrt(std::max(0.0, (jacobian * pose.covariance * jacobian.transpose()).trace()));
+}
+
 double reprojection_rms_px(const std::vector<PlacedObservation>& tags, const RigidTransform& camera_from_world,
                            const Camera& camera) {
     double squares = 0;

@@ -48,6 +48,9 @@ std::optional<CameraPose> refine_pose(const std::vector<PlacedObservation>& tags
 /// The one or two distinct local minima of the joint pose, best first.
 std::vector<CameraPose> candidate_poses(const std::vector<PlacedObservation>& tags);
 
+/// Standard deviation (px, both directions together), by the pose's covariance, of where a point would be drawn.
+double projection_sigma_px(const CameraPose& pose, const Camera& camera, const Eigen::Vector3d& point_world_m);
+
 /// Reprojection residuals in plate pixels, through the exact lens: RMS over all corners.
 double reprojection_rms_px(const std::vector<PlacedObservation>& tags, const RigidTransform& camera_from_world,
                            const Camera& camera);

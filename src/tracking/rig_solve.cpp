@@ -278,6 +278,7 @@ RigSolution solve_rig(const std::vector<RigTag>& rig, const std::vector<FrameObs
     if (held.empty() && !seen.empty()) {
         solution.world_from_tag[*seen.begin()] = RigidTransform::Identity();
         held.insert(*seen.begin());
+        solution.origin = *seen.begin();
     }
     const bool all_placed = std::ranges::all_of(seen, [&](int id) { return solution.world_from_tag.contains(id); });
     if (all_placed) return solution;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "scene/scene_file.h"
@@ -20,6 +21,7 @@ struct FrameObservations {
 
 struct RigSolution {
     std::map<int, RigidTransform> world_from_tag;  // of every tag that has a place
+    std::optional<int> origin;                     // the tag that is the world where no place is given
     std::vector<int> unplaced;                     // seen, but never together with a tag that has a place
     double rms = 0;  // of whitened residuals in the bundle adjustment; about 1 when all is consistent
 };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "tracking/lens_projection.h"
 
 namespace matchlight {
 namespace {
@@ -38,8 +39,8 @@ bool is_footage_name(std::string_view key) {
     return key == "video";
 }
 /// Camera and response are compared by what is in their files.
-bool is_color_or_time_key(std::string_view key) {
-    return key == "color_matrix" || key == "color_range" || key == "fps";
+bool is_other_footage_key(std::string_view key) {
+    return key == "color_matrix" || key == "color_range" || key == "fps" || key == "refine_lens" || key == "readout";
 }
 
 /// A tag that the solve does not hold, or whose place the scene does not give, contradicts nothing.
@@ -58,7 +59,18 @@ bool contradicts(const RigTag& tag, const std::vector<SolvedTag>& rig) {
     return false;
 }
 
-bool same_camera(const Camera& a, const Camera& b) {
+/// The scene's lens, but for what the clip refined of it.
+bool same_camera(const Camera& scene, const Solve& solve) {
+    LensVector expected = lens_vector(scene);
+    const LensVector solved = lens_vector(solve.camera);
+    for (const LensParameter& parameter : solve.lens_parameters) {
+        const auto name = std::ranges::find(lens_parameter_names, parameter.name);
+        if (!parameter.refined || name == lens_parameter_names.end()) continue;
+        const auto i = name - lens_parameter_names.begin();
+        expected[i] = solved[i];
+    }
+    const Camera a = camera_with(scene, expected);
+    const Camera& b = solve.camera;
     return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy &&
            a.lens == b.lens && a.distortion == b.distortion;
 }
@@ -92,11 +104,13 @@ void check_solve_is_of_scene(const Solve& solve, const Scene& scene, Warnings& w
         if (contradicts(tag, solve.rig))
             refuse("another size or place of tag " + std::to_string(tag.id) + " in [tags]");
     }
-    if (differs("footage", is_color_or_time_key)) refuse("other settings of [footage] than the scene has");
+    if (differs("footage", is_other_footage_key)) refuse("other settings of [footage] than the scene has");
 
-    const Camera camera = camera_for_size(load_camera(scene.footage.camera), solve.camera.width, solve.camera.height,
-                                          scene.footage.camera);
-    if (!same_camera(camera, solve.camera)) refuse("another camera than " + scene.footage.camera.string());
+    if (!scene.footage.camera.empty()) {
+        const Camera camera = camera_for_size(load_camera(scene.footage.camera), solve.camera.width,
+                                              solve.camera.height, scene.footage.camera);
+        if (!same_camera(camera, solve)) refuse("another camera than " + scene.footage.camera.string());
+    }
 
     if (scene.footage.solve_response) {
         if (differs("footage", is_response_key)) refuse("a response that was not solved for, as the scene asks");

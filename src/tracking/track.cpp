@@ -17,6 +17,7 @@
 #include "tracking/clip_context.h"
 #include "tracking/clip_observations.h"
 #include "tracking/geometry_stage.h"
+#include "tracking/lens_start.h"
 #include "tracking/photometry_stage.h"
 #include "tracking/plate_light.h"
 #include "tracking/recovery_stage.h"
@@ -36,9 +37,8 @@ public:
         const std::unique_ptr<FrameSource> source =
             FrameSource::open(scene_.footage.video, footage_options(scene_.footage, options_.strict), warnings_);
         const FootageInfo& info = source->info();
-        solve_.camera = camera_for_size(load_camera(scene_.footage.camera), info.format.width, info.format.height,
-                                        scene_.footage.camera);
-        const Camera camera = solve_.camera;
+        solve_.camera = calibrated_camera(info.format.width, info.format.height);
+        Camera camera = solve_.camera;
         if (scene_.footage.response) solve_.response = Response::load(*scene_.footage.response);
         // Read before the long work, so that a bad probe is known at once.
         std::optional<Probe> probe;
@@ -53,7 +53,7 @@ public:
         observing.corners = options_.corners;
         observing.quiet = options_.quiet;
         if (scene_.footage.solve_response) find_response(*source, observing);
-        ClipObservations clip = observe_clip(*source, scene_.tags, solve_.camera, solve_.response, observing);
+        ClipObservations clip = observe_clip(*source, scene_.tags, camera, solve_.response, observing);
         if (clip.frames.empty()) throw InputError(scene_.footage.video, "has no frame in the range asked for");
         summary_.foreign_ids = clip.foreign_ids;
         check_anything_seen(clip, *source);
@@ -61,6 +61,10 @@ public:
         const Response response = solve_.response;
         const ClipContext context{scene_, options_, info, camera, response, probe, warnings_};
         GeometrySolution geometry = solve_geometry(context, clip);
+        if (scene_.footage.camera.empty()) {
+            express_with(geometry.camera, camera, clip.frames);
+            camera = geometry.camera;
+        }
         if (options_.corners == CornerMethod::fit && recover_tags(context, *source, geometry, clip) > 0) {
             geometry = solve_geometry(context, clip);
         }
@@ -85,6 +89,12 @@ private:
         const ClipObservations sample = observe_clip(source, scene_.tags, solve_.camera, solve_.response, observing);
         solve_.response = solved_response(scene_, sample.cards, warnings_, summary_.photometry);
         source.seek(observing.first_frame);
+    }
+
+    /// The scene's, or a guess where it gives none.
+    Camera calibrated_camera(int width, int height) const {
+        const std::filesystem::path& file = scene_.footage.camera;
+        return file.empty() ? guessed_camera(width, height) : camera_for_size(load_camera(file), width, height, file);
     }
 
     std::string footage_name() const {

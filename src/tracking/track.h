@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/warnings.h"
 #include "scene/scene_file.h"
@@ -42,11 +44,13 @@ struct TrackDetails;
 struct TrackSummary {
     std::int64_t frames = 0, posed = 0, bridged = 0, missing = 0;
     double mean_reprojection_px = 0, worst_reprojection_px = 0;
+    std::optional<double> leave_one_out_px;  // median RMS of tags that the others of their frame predict
     std::map<int, std::int64_t> frames_by_tag;
     std::map<int, std::int64_t> foreign_ids;
     bool exposure_from_probe = false;
     PhotometrySummary photometry;
     TrackDetails* details = nullptr;  // filled where given
+    std::vector<std::string> notes;   // what the solve decided by itself, a sentence each
 };
 
 /// Throws InputError: footage, camera, response or probe cannot be read, no tag in any frame, a stop was requested.

@@ -87,6 +87,15 @@ TEST_F(SceneFile, AResponseIsAFileOrTheWordSolve) {
     EXPECT_THROW(load("[footage]\nresponse = \"solved\"\n" + rest), InputError);
 }
 
+TEST_F(SceneFile, FootageMayComeWithoutACamera) {
+    const Scene scene =
+        load("[footage]\nvideo = \"clip.mp4\"\nreadout = 0.016\n[tags]\nrig = [{id = 0, size = 1}]\n");
+    EXPECT_TRUE(scene.footage.camera.empty());
+    EXPECT_EQ(scene.footage.readout_s, 0.016);
+    EXPECT_FALSE(scene.footage.solve_readout);
+    EXPECT_EQ(scene.footage.refine_lens, LensRefinement::automatic);
+}
+
 TEST_F(SceneFile, EverySettingArrives) {
     const Scene scene = load(R"(
 [footage]
@@ -94,6 +103,8 @@ video = "frames/%04d.jpg"
 camera = "camera.yaml"
 solve = "elsewhere/a.solve.json"
 response = "response.json"
+refine_lens = "off"
+readout = "solve"
 fps = 30
 color_matrix = "bt601"
 color_range = "full"
@@ -139,6 +150,8 @@ audio = false
     EXPECT_EQ(scene.footage.video, folder_ / "frames/%04d.jpg");
     EXPECT_EQ(scene.footage.solve, folder_ / "elsewhere/a.solve.json");
     EXPECT_EQ(scene.footage.response, folder_ / "response.json");
+    EXPECT_EQ(scene.footage.refine_lens, LensRefinement::off);
+    EXPECT_TRUE(scene.footage.solve_readout);
     EXPECT_EQ(scene.footage.fps, 30);
     EXPECT_EQ(scene.footage.color_matrix, "bt601");
     EXPECT_EQ(scene.footage.color_range, "full");
@@ -297,7 +310,7 @@ TEST_F(SceneFile, MissingFilesAreNamed) {
     EXPECT_THAT(error_of("[footage]\nvideo = \"clip.mp4\"\ncamera = \"no.yaml\"\n"),
                 HasSubstr("scene.toml:3: 'camera' in [footage]: there is no file 'no.yaml'"));
     EXPECT_THAT(error_of("[footage]\nvideo = \"100%.mp4\"\ncamera = \"camera.yaml\"\n"), HasSubstr("there is no file"));
-    EXPECT_THAT(error_of("[footage]\nvideo = \"clip.mp4\"\n"), HasSubstr("'camera' is missing in [footage]"));
+    EXPECT_THAT(error_of("[footage]\ncamera = \"camera.yaml\"\n"), HasSubstr("'video' is missing in [footage]"));
     EXPECT_THAT(error_after("[light]\nprobe = \"no.exr\"\n"),
                 HasSubstr("'probe' in [light]: there is no file 'no.exr'"));
     EXPECT_THAT(error_after("[[object]]\nmodel = \"no.glb\"\n"),
