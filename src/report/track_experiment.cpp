@@ -119,8 +119,10 @@ TrackReport run_track_experiment(const Scene& scene, const TrackExperimentOption
     report.against_truth = truth.has_value();
     double largest_tag_m = 0;
     for (const SolvedTag& tag : solves[0].rig) largest_tag_m = std::max(largest_tag_m, tag.size_m);
-    const Camera calibrated = camera_for_size(load_camera(scene.footage.camera), solves[0].camera.width,
-                                              solves[0].camera.height, scene.footage.camera);
+    const std::filesystem::path& file = scene.footage.camera;
+    const Camera& solved = solves[0].camera;
+    const Camera calibrated =
+        file.empty() ? solved : camera_for_size(load_camera(file), solved.width, solved.height, file);
     const auto add = [&](const char* name, const char* what, const std::vector<double>& ms,
                          const std::vector<SolvedFrame>& frames, const Camera& camera) -> TrackPoint& {
         TrackPoint& point = report.points.emplace_back();

@@ -66,10 +66,11 @@ struct Choice {
 
 Choice best_scales(const Evidence& evidence, const std::set<int>& on_plane) {
     // In steps of √2: finer ones change nothing that could be seen. A hundredth of a pixel is what a fit of pixels
-    // reaches at best; above a third of one a tag was fitted wrongly. Sheets bend by no less than the hundredth of a
-    // millimetre of a print on glass; over 3 mm they are on no plane.
+    // reaches at best; more than a tenth is no print's or glue's doing but a wrong lens', which corners must not
+    // absorb. Sheets bend by no less than the hundredth of a millimetre of a print on glass; over 3 mm they are on no
+    // plane.
     Choice best;
-    for (double bias_px = 0.01; bias_px < 0.33; bias_px *= std::sqrt(2.0)) {
+    for (double bias_px = 0.01; bias_px < 0.1; bias_px *= std::sqrt(2.0)) {
         for (double sigma_m = 1e-5; sigma_m < 3e-3; sigma_m *= 2) {
             const double value = evidence(bias_px, sigma_m, on_plane);
             if (value > best.evidence) best = {bias_px, sigma_m, value};
@@ -104,6 +105,12 @@ RigidTransform likely_plane(const ClipModel& model) {
 
 void choose_sheet_evidence(const SharedNormal& frames_say, const SharedColumns& columns, ClipModel& model,
                            ModelFreedom& freedom) {
+    if (model.tags.size() < 2) {
+        // A lone tag's corners cannot be told from the lens and the path: what is usual is taken, and no plane.
+        freedom.corner_bias_px = 0.03;
+        freedom.plane_sigma_m.reset();
+        return;
+    }
     const Evidence evidence(frames_say, columns, model, freedom);
     std::set<int> on_plane;
     if (!columns.places.empty()) {

@@ -239,7 +239,11 @@ TEST_F(TrackCommand, APartOfTheClipIsTrackedAsInTheWhole) {
     ASSERT_EQ(part.at("frames").size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_EQ(part["frames"][i]["frame"], 3 + i);
-        EXPECT_EQ(part["frames"][i]["camera_from_world"], whole["frames"][3 + i]["camera_from_world"]);
+        EXPECT_EQ(part["frames"][i]["tags"], whole["frames"][3 + i]["tags"]);
+        // The motion and the corners' lasting errors are better known from the whole.
+        EXPECT_LT(registration_error_px(matrix_of(part["frames"][i]["camera_from_world"]),
+                                        matrix_of(whole["frames"][3 + i]["camera_from_world"])),
+                  0.05);
     }
 }
 
