@@ -52,11 +52,16 @@ TagAgreement tag_agreement(const std::vector<FrameObservations>& frames, const s
     };
     std::map<int, Before> before;
     MeanSquares reprojection, left_out, jitter;
+    std::vector<double> each_px;
     for (const FrameObservations& frame : frames) {
         const auto found = by_frame.find(frame.frame);
         if (found == by_frame.end() || !found->second->camera_from_world) continue;
         const RigidTransform& known = *found->second->camera_from_world;
-        const std::vector<PlacedObservation> tags = placed(frame, rig);
+        std::vector<PlacedObservation> tags = placed(frame, rig);
+        // Tags that the solve itself holds for moved or hidden have no part in the pose, and none here.
+        if (const std::vector<int>& used = found->second->tags; !used.empty()) {
+            std::erase_if(tags, [&](const PlacedObservation& tag) { return !std::ranges::count(used, tag.seen->id); });
+        }
         for (std::size_t out = 0; out < tags.size(); ++out) {
             if (const auto off = residuals(tags[out], known, camera)) reprojection.add(off->squaredNorm(), 4);
             if (tags.size() < 2) continue;
@@ -66,6 +71,7 @@ TagAgreement tag_agreement(const std::vector<FrameObservations>& frames, const s
             const auto off = pose ? residuals(tags[out], *pose, camera) : std::nullopt;
             if (!off) continue;
             left_out.add(off->squaredNorm(), 4);
+            each_px.push_back(std::sqrt(off->squaredNorm() / 4));
             const Eigen::Vector2d mean = off->rowwise().mean();
             const int id = tags[out].seen->id;
             const auto last = before.find(id);
@@ -75,7 +81,13 @@ TagAgreement tag_agreement(const std::vector<FrameObservations>& frames, const s
             before[id] = {frame.frame, mean};
         }
     }
-    return {reprojection.root(), left_out.root(), jitter.root()};
+    std::optional<double> median_px;
+    if (!each_px.empty()) {
+        const auto middle = each_px.begin() + static_cast<std::ptrdiff_t>(each_px.size() / 2);
+        std::ranges::nth_element(each_px, middle);
+        median_px = *middle;
+    }
+    return {reprojection.root(), left_out.root(), median_px, jitter.root()};
 }
 
 }  // namespace matchlight

@@ -88,7 +88,7 @@ std::string poses_table(const TrackReport& track) {
             "<th>mean px</th><th>median</th><th>95 %</th><th>max</th><th>slow</th><th>fast</th><th>jitter</th>"
             "<th>NEES/6</th>";
     }
-    html += "<th>reprojection px</th><th>one left out px</th><th>its jitter</th></tr>";
+    html += "<th>reprojection px</th><th>one left out px</th><th>its median</th><th>its jitter</th></tr>";
     const double frames = static_cast<double>(std::max<std::int64_t>(track.frames, 1));
     for (const TrackPoint& point : track.points) {
         html += first_cell(point) + cell(point.time.median_ms / frames) + cell(1e3 * frames / point.time.median_ms) +
@@ -100,7 +100,7 @@ std::string poses_table(const TrackReport& track) {
                     cell(errors.nees_median);
         }
         html += cell(point.agreement.reprojection_px) + cell(point.agreement.leave_one_out_px) +
-                cell(point.agreement.leave_one_out_jitter_px) + "</tr>";
+                cell(point.agreement.leave_one_out_median_px) + cell(point.agreement.leave_one_out_jitter_px) + "</tr>";
     }
     return html + "</table>";
 }

@@ -28,6 +28,7 @@ struct TrackErrors {
 struct TagAgreement {
     std::optional<double> reprojection_px;   // RMS over all corners
     std::optional<double> leave_one_out_px;  // RMS of a tag's corners under the pose that the frame's others have
+    std::optional<double> leave_one_out_median_px;  // of the RMS of each frame's each tag
     std::optional<double> leave_one_out_jitter_px;  // RMS of the change of that tag's mean error between frames
 };
 

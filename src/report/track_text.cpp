@@ -38,6 +38,7 @@ std::vector<Column> columns_of(const TrackPoint& point) {
             {"shutter", errors.shutter},
             {"reprojection_px", point.agreement.reprojection_px},
             {"leave_one_out_px", point.agreement.leave_one_out_px},
+            {"leave_one_out_median_px", point.agreement.leave_one_out_median_px},
             {"leave_one_out_jitter_px", point.agreement.leave_one_out_jitter_px}};
 }
 
@@ -96,6 +97,7 @@ std::string track_lines(const TrackReport& track) {
         }
         add("reprojection px", point.agreement.reprojection_px);
         add("one tag left out px", point.agreement.leave_one_out_px);
+        add("median", point.agreement.leave_one_out_median_px);
         add("its jitter", point.agreement.leave_one_out_jitter_px);
         text += "\n";
     }
