@@ -1,6 +1,7 @@
 // matchlight track: from footage and its tags to a solve.
 #include "tracking/track.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -67,6 +68,42 @@ struct TrackCall {
     CornerMethod corners = CornerMethod::fit;
     bool overwrite = false, strict = false;
 };
+
+json optics_json(const OpticsSummary& optics) {
+    json object = json::object();
+    const auto put = [&](const char* key, const std::optional<double>& value) {
+        if (value) object[key] = *value;
+    };
+    put("coc_scale_px_m", optics.coc_scale_px_m);
+    put("coc_scale_sigma", optics.coc_scale_sigma);
+    if (!optics.focus_m.empty()) {
+        const auto [nearest, farthest] = std::minmax_element(optics.focus_m.begin(), optics.focus_m.end());
+        object["focus_m"] = {{"nearest", *nearest}, {"farthest", *farthest}, {"frames", optics.focus_m.size()}};
+    }
+    put("shutter_fraction", optics.shutter_fraction);
+    put("shutter_sigma", optics.shutter_sigma);
+    put("softness_px", optics.softness_px);
+    if (!optics.focus_unknown.empty()) object["focus_unknown"] = optics.focus_unknown;
+    if (!optics.shutter_unknown.empty()) object["shutter_unknown"] = optics.shutter_unknown;
+    return object;
+}
+
+std::string optics_text(const OpticsSummary& optics) {
+    std::string text = "  optics: ";
+    if (optics.focus_m.empty()) {
+        text += fmt::format("focus not known ({})",
+                            optics.focus_unknown.empty() ? "too uncertain in every frame" : optics.focus_unknown);
+    } else {
+        const auto [nearest, farthest] = std::minmax_element(optics.focus_m.begin(), optics.focus_m.end());
+        text += fmt::format("focus {:.3f} to {:.3f} m, circle of confusion {:.2f} ± {:.2f} px m", *nearest, *farthest,
+                            *optics.coc_scale_px_m, *optics.coc_scale_sigma);
+    }
+    text += optics.shutter_fraction
+                ? fmt::format("; shutter {:.2f} ± {:.2f} of a frame", *optics.shutter_fraction, *optics.shutter_sigma)
+                : fmt::format("; shutter not known ({})", optics.shutter_unknown);
+    if (optics.softness_px) text += fmt::format("; softness {:.2f} px", *optics.softness_px);
+    return text + "\n";
+}
 
 json counts_json(const std::map<int, std::int64_t>& counts) {
     json object = json::object();
@@ -159,6 +196,7 @@ void run_track(const TrackCall& call, CommandContext& context) {
                 {"photometry", photometry_json(solve, summary.photometry)},
                 {"leave_one_out_px", summary.leave_one_out_px ? json(*summary.leave_one_out_px) : json(nullptr)},
                 {"notes", summary.notes},
+                {"optics", optics_json(summary.optics)},
                 {"seconds", seconds}};
     std::string text = fmt::format(
         "{}: {} of {} frames have a pose ({} bridged), reprojection {:.3f} px mean, {:.3f} worst\n", output.string(),
@@ -169,6 +207,7 @@ void run_track(const TrackCall& call, CommandContext& context) {
         text += fmt::format("  tags as the others predict them: {:.3f} px median\n", *summary.leave_one_out_px);
     }
     for (const std::string& note : summary.notes) text += fmt::format("  {}\n", note);
+    text += optics_text(summary.optics);
     if (page) {
         result["report"] = page->path().string();
         text += fmt::format("{}\n", page->path().string());

@@ -247,6 +247,9 @@ std::optional<TagImageFit> fit_tag(const FitSource& source, const TagPattern& ta
                            std::exp(state->parameters[TagParameters::blur + 1])};
 
     observation.blur_covariance_px2 = blur_in_plate(model, state->parameters);
+    if (options.edge_blur) {
+        observation.edge_blur = measure_edge_blur(model, *state, pixels, source.clipped_light, camera);
+    }
 
     TagObservation refined = observation;
     take_corners(*state, model, tag, refined);

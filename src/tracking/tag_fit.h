@@ -8,6 +8,7 @@
 
 #include "core/image.h"
 #include "tracking/blurred_pattern.h"
+#include "tracking/edge_blur.h"
 #include "tracking/tag_detector.h"
 #include "tracking/tag_pixels.h"
 
@@ -26,6 +27,7 @@ struct TagObservation {
     std::array<double, 2> blur_px{};  // standard deviation across vertical and horizontal edges of the sheet
     /// The same blur in the plate: covariance (px²) along x and y, without the pixel's own box.
     Eigen::Matrix2d blur_covariance_px2 = Eigen::Matrix2d::Zero();
+    TagBlur edge_blur;       // the same from near to far, with standard errors
     double contrast = 0;     // light of paper minus ink
     double correlation = 0;  // of the light with the fitted image, 0..1
     double decision_margin = 0;
@@ -49,6 +51,7 @@ struct TagFitOptions {
     /// Pixels near edges, evenly spread where there are more; the time goes with them. 3000 is where more no longer
     /// lower the error: neighbours share the coding's noise.
     std::size_t most_pixels = 3000;
+    bool edge_blur = true;      // measure TagObservation::edge_blur
     double start_error_px = 0;  // what the corners of a prediction may be off; detected ones are within the blur
 };
 

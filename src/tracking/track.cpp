@@ -18,6 +18,7 @@
 #include "tracking/clip_observations.h"
 #include "tracking/geometry_stage.h"
 #include "tracking/lens_start.h"
+#include "tracking/optics_stage.h"
 #include "tracking/photometry_stage.h"
 #include "tracking/plate_light.h"
 #include "tracking/recovery_stage.h"
@@ -70,6 +71,7 @@ public:
         }
         report_geometry(context, geometry, solve_, summary_);
         solve_photometry_stage(context, clip, geometry, solve_, summary_);
+        solve_optics_stage(context, clip, geometry, solve_, summary_);
 
         solve_.footage_file = footage_name();
         solve_.frame_count = std::max<std::int64_t>(info.frame_count, clip.frames.back().frame + 1);

@@ -40,6 +40,16 @@ struct PhotometrySummary {
 
 struct TrackDetails;
 
+/// What the blur of the tags told.
+struct OpticsSummary {
+    std::optional<double> coc_scale_px_m, coc_scale_sigma;
+    std::vector<double> focus_m;  // of the frames where it is known
+    std::string focus_unknown;    // why, where it is not
+    std::optional<double> shutter_fraction, shutter_sigma;
+    std::string shutter_unknown;
+    std::optional<double> softness_px;
+};
+
 /// What was found, beside the solve itself.
 struct TrackSummary {
     std::int64_t frames = 0, posed = 0, bridged = 0, missing = 0;
@@ -51,6 +61,7 @@ struct TrackSummary {
     PhotometrySummary photometry;
     TrackDetails* details = nullptr;  // filled where given
     std::vector<std::string> notes;   // what the solve decided by itself, a sentence each
+    OpticsSummary optics;
 };
 
 /// Throws InputError: footage, camera, response or probe cannot be read, no tag in any frame, a stop was requested.
