@@ -20,10 +20,10 @@ struct FittedVariance {
 /// The variance v of the Gaussian with which least squares over all places of an edge comes closest to the kernel's
 /// image of it. A disc's projection and a box end abruptly where a Gaussian has tails, so v is not the kernel's
 /// variance: a wide box alone fits 23 % more, a wide disc 18 %, a twentieth of that beside a Gaussian three times as
-/// wide. By Parseval's theorem the normal equation is ∫ (P(ω) T(ω) − p(ω) G(ω)) p(ω) G(ω) dω = 0, with the transfer functions T of the kernel, G = exp(−v ω²/2), P of
-/// the pixel's square in the direction of ω, and p of the unit box that the fit takes for it; that edges are steps
-/// (1/ω²) cancels against ∂G/∂v. Variances below zero, which noise and sharpening make, are continued in a
-/// straight line.
+/// wide. By Parseval's theorem the normal equation is ∫ (P(ω) T(ω) − p(ω) G(ω)) p(ω) G(ω) dω = 0, with the transfer
+/// functions T of the kernel, G = exp(−v ω²/2), P of the pixel's square in the direction of ω, and p of the unit box
+/// that the fit takes for it; that edges are steps (1/ω²) cancels against ∂G/∂v. Variances below zero, which noise and
+/// sharpening make, are continued in a straight line.
 FittedVariance fitted_variance(const EdgeKernel& kernel);
 
 }  // namespace matchlight

@@ -37,8 +37,8 @@ DepthStrips depth_strips(const TagImageModel& model, const TagParameters::Vector
     // Narrower strips than 3 % of the depth tell nothing more about focus; more than four are noise.
     constexpr double strip_depth = 0.03;
     constexpr int most_strips = 4;
-    strips.count =
-        std::clamp(static_cast<int>(std::ceil(std::log(strips.nearest / strips.farthest) / strip_depth)), 1, most_strips);
+    strips.count = std::clamp(static_cast<int>(std::ceil(std::log(strips.nearest / strips.farthest) / strip_depth)), 1,
+                              most_strips);
     return strips;
 }
 
@@ -104,7 +104,8 @@ private:
         std::vector<TagImage> images;  // by strip
         for (int strip = 0; strip < strips_.count; ++strip) {
             TagParameters::Vector here = parameters_;
-            for (int axis = 0; axis < 2; ++axis) here[TagParameters::blur + axis] = 0.5 * std::log(bounded(axis, strip));
+            for (int axis = 0; axis < 2; ++axis)
+                here[TagParameters::blur + axis] = 0.5 * std::log(bounded(axis, strip));
             images.emplace_back(model_, here);
         }
         for (const TagPixel& pixel : pixels_) {
@@ -197,9 +198,8 @@ TagBlur measure_edge_blur(const TagImageModel& model, const TagFitState& state, 
             const Eigen::Vector2d centre = system.centre(axis, strip);
             const TagParameters::Vector& p = system.parameters();
             const TagImageModel::Place place = model.place(p, centre.x(), centre.y());
-            const Eigen::Vector2d across = axis == 0
-                                               ? Eigen::Vector2d(p[0] - place.a * p[6], p[1] - place.a * p[7])
-                                               : Eigen::Vector2d(p[3] - place.b * p[6], p[4] - place.b * p[7]);
+            const Eigen::Vector2d across = axis == 0 ? Eigen::Vector2d(p[0] - place.a * p[6], p[1] - place.a * p[7])
+                                                     : Eigen::Vector2d(p[3] - place.b * p[6], p[4] - place.b * p[7]);
             EdgeBlur edge;
             edge.normalized = centre * model.local.scale + model.local.centre;
             // An edge's normal is a covector: with n' = J⁻ᵀ n, n'ᵀ (J Σ Jᵀ) n' = nᵀ Σ n.

@@ -17,8 +17,6 @@ namespace {
 constexpr double field_nodes = 4;
 /// How far, in widths of the plate, deviations from it reach: about the size of what a reading averages over.
 constexpr double place_reach = 1.0 / 32;
-/// Exposures are not quite steady, apertures not quite discs: an error in proportion to what they blur.
-constexpr double kernel_error = 0.05;
 /// Degrees of freedom of Student's t.
 constexpr double freedom = 4;
 
@@ -176,7 +174,7 @@ void OpticsModel::linearise(LinearTag& linear, const OpticsState& state) const {
 Eigen::MatrixXd OpticsModel::error_covariance(const LinearTag& linear, const OpticsSpread& spread) const {
     Eigen::MatrixXd covariance = linear.tag->covariance;
     covariance.diagonal().array() +=
-        spread.reading * spread.reading + (kernel_error * linear.blur_px2.array()).square();
+        spread.reading * spread.reading + (spread.kernel * linear.blur_px2.array()).square();
     return covariance;
 }
 
@@ -186,6 +184,7 @@ void OpticsModel::weigh(const OpticsSpread& spread) {
         const Eigen::LLT<Eigen::MatrixXd> factor(error_covariance(linear, spread));
         const double distance2 = linear.residual.dot(factor.solve(linear.residual));
         linear.weight = (freedom + count) / (freedom + distance2);
+        linear.log_weight = 0.5 * linear.weight * distance2 - 0.5 * (freedom + count) * std::log1p(distance2 / freedom);
     }
 }
 
@@ -211,7 +210,7 @@ Eigen::SparseMatrix<double> OpticsModel::local_precision(const OpticsSpread& spr
     }
     for (std::size_t t = 0; t < frames_; ++t) {
         const FrameRows rows = rows_of(t);
-        const double sigma = std::hypot(spread.frame, kernel_error * frame_blur_px2_[t]);
+        const double sigma = std::hypot(spread.frame, spread.kernel * frame_blur_px2_[t]);
         for (std::size_t i = 1; i < rows.size(); ++i) {
             const double precision = component_precision[i - 1] / (sigma * sigma);
             entries.emplace_back(rows[i], rows[i], precision);
@@ -240,7 +239,8 @@ Eigen::SparseMatrix<double> OpticsModel::local_precision(const OpticsSpread& spr
     for (const LinearTag& linear : tags_) {
         const FrameRows rows = rows_of(linear.tag->frame);
         std::vector<Index> tied(rows.begin(), rows.end());
-        for (Index i = 0; i < static_cast<Index>(linear.tag->readings.size()); ++i) tied.push_back(linear.first_place + i);
+        for (Index i = 0; i < static_cast<Index>(linear.tag->readings.size()); ++i)
+            tied.push_back(linear.first_place + i);
         for (const Index a : tied) {
             for (const Index b : tied) entries.emplace_back(a, b, 0.0);
         }
@@ -270,7 +270,8 @@ std::optional<OpticsModel::System> OpticsModel::assemble(const OpticsSpread& spr
         Eigen::MatrixXd own(count, rows_a_frame + count);
         own << linear.by_frame, Eigen::MatrixXd(linear.by_place.asDiagonal());
         own = error.matrixL().solve(own) * root;
-        log_likelihood -= 0.5 * residual.squaredNorm() + error.matrixLLT().diagonal().array().log().sum();
+        log_likelihood += linear.log_weight - 0.5 * residual.squaredNorm();
+        log_likelihood -= error.matrixLLT().diagonal().array().log().sum();
 
         const FrameRows frame_rows = rows_of(linear.tag->frame);
         std::vector<Index> rows(frame_rows.begin(), frame_rows.end());
@@ -310,8 +311,8 @@ std::optional<OpticsModel::System> OpticsModel::assemble(const OpticsSpread& spr
     system.change.local = local_.solve(right.local) - system.local_to_shared * system.change.shared;
     // The quadratic's maximum, and the Gaussian integral about it.
     log_likelihood += 0.5 * (system.change.local.dot(right.local) + system.change.shared.dot(right.shared));
-    log_likelihood -= 0.5 * local_.vectorD().array().log().sum() +
-                      system.shared.matrixLLT().diagonal().array().log().sum();
+    log_likelihood -=
+        0.5 * local_.vectorD().array().log().sum() + system.shared.matrixLLT().diagonal().array().log().sum();
     system.log_evidence = log_likelihood;
     if (!std::isfinite(log_likelihood)) return std::nullopt;
     return system;

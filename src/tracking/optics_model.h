@@ -31,12 +31,14 @@ struct OpticsState {
     Eigen::VectorXd shared;
 };
 
-/// What the solve learns about its own errors and priors, as standard deviations in px².
+/// What the solve learns about its own errors and priors: standard deviations in px², but for the kernel's.
 struct OpticsSpread {
     double reading = 0.02;  // readings beyond their own errors
     double frame = 0.02;    // blur from frame to frame: coding, a hand's tremor
     double field = 0.05;    // softness over the plate, smoothly: lenses
     double place = 0.05;    // softness from place to place: patterns of resampling
+    /// Blur in proportion to itself: exposures are not quite steady, apertures not quite discs.
+    double kernel = 0.05;
     FocusPrior focus;
 };
 
@@ -54,7 +56,7 @@ public:
 
     struct Solution {
         OpticsState change;
-        double log_evidence = 0;  // weights included, up to a constant that is the same for the same tags
+        double log_evidence = 0;  // up to a constant that is the same for the same tags
     };
     /// nullopt where the equations have no solution.
     std::optional<Solution> solve(const OpticsSpread& spread);
@@ -82,8 +84,9 @@ private:
         Eigen::MatrixXd by_shared;                  // readings × columns
         Eigen::MatrixXd by_frame;                   // readings × the frame's rows
         Eigen::VectorXd by_place, residual;         // by reading
-        Eigen::VectorXd blur_px2;  // what does not come from softness
+        Eigen::VectorXd blur_px2;                   // what does not come from softness
         double weight = 1;
+        double log_weight = 0;  // what makes the weighted normal density touch Student's
     };
     static constexpr int rows_a_frame = 4;
     using FrameRows = std::array<Index, rows_a_frame>;

@@ -31,8 +31,10 @@ std::optional<Neighbours> neighbours_of(const CameraPath& path, std::size_t fram
     const RigidTransform* now = measured_pose(path, frame);
     Neighbours around{frame > 0 ? measured_pose(path, frame - 1) : nullptr, measured_pose(path, frame + 1), 0};
     for (const RigidTransform** side : {&around.before, &around.after}) {
-        if (*side) around.frames += 1;
-        else *side = now;
+        if (*side)
+            around.frames += 1;
+        else
+            *side = now;
     }
     if (around.frames == 0 && path.frames.size() > 1) return std::nullopt;
     around.frames = std::max(1.0, around.frames);  // a single picture is taken to stand still
@@ -61,10 +63,9 @@ public:
             const double depth = normal.dot(camera_from_tag.translation()) / normal.dot(ray);
             if (!(depth > 0)) return std::nullopt;
             const Eigen::Vector3d world = camera_from_world.inverse() * (depth * ray);
-            const Eigen::Vector2d motion =
-                (geometry_.camera.pixel_from_camera(*around.after * world) -
-                 geometry_.camera.pixel_from_camera(*around.before * world)) /
-                around.frames;
+            const Eigen::Vector2d motion = (geometry_.camera.pixel_from_camera(*around.after * world) -
+                                            geometry_.camera.pixel_from_camera(*around.before * world)) /
+                                           around.frames;
             BlurReading reading;
             reading.place = geometry_.camera.pixel_from_normalized(edge.normalized) / geometry_.camera.width;
             reading.inverse_depth = 1 / depth;
@@ -108,10 +109,9 @@ double confidence_of(double sigma, double noticeable) {
 }
 
 void take_focus(const OpticsSolution& optics, Solve& solve, OpticsSummary& summary) {
-    // The odds that blur grows away from some depth, 20,000 to 1, and the scale of it known to a quarter.
-    constexpr double enough_evidence = 10, most_coc_error = 0.25;
+    constexpr double most_coc_error = 0.25;  // of its value
     const Estimate& scale = optics.coc_scale;
-    if (optics.defocus_evidence < enough_evidence) {
+    if (!optics.defocus_seen) {
         summary.focus_unknown = "the tags' blur does not change with depth";
         return;
     }

@@ -28,10 +28,11 @@ public:
             for (std::size_t i = 0; i < tag.readings.size(); ++i) {
                 const BlurReading& reading = tag.readings[i];
                 const auto k = static_cast<Eigen::Index>(i);
-                // Softness differs over a picture by some tenths of a pixel², and no kernel is quite what it is taken for.
+                // Softness differs over a picture by some tenths of a pixel², and no kernel is quite what it is taken
+                // for.
                 constexpr double uneven_px2 = 0.05, uneven_share = 0.1;
-                const double variance = tag.covariance(k, k) + uneven_px2 * uneven_px2 +
-                                        std::pow(uneven_share * reading.variance_px2, 2);
+                const double variance =
+                    tag.covariance(k, k) + uneven_px2 * uneven_px2 + std::pow(uneven_share * reading.variance_px2, 2);
                 by_frame_[tag.frame].push_back({reading.inverse_depth, reading.motion_px * reading.motion_px / 12,
                                                 reading.variance_px2, 1 / variance});
                 largest_ = std::max(largest_, reading.inverse_depth);

@@ -11,9 +11,9 @@ namespace matchlight {
 
 struct OpticsStart {
     double softness_px2 = 0;
-    double coc_scale = 0;            // px·m
-    double shutter2 = 0;             // fraction of the frame time, squared
-    std::vector<double> focus;       // 1/m, one a frame
+    double coc_scale = 0;       // px·m
+    double shutter2 = 0;        // fraction of the frame time, squared
+    std::vector<double> focus;  // 1/m, one a frame
 };
 
 /// Blur does not tell the side of the focus it lies on, so from every scale of a coarse grid the best path of focus

@@ -51,8 +51,8 @@ struct TagFitOptions {
     /// Pixels near edges, evenly spread where there are more; the time goes with them. 3000 is where more no longer
     /// lower the error: neighbours share the coding's noise.
     std::size_t most_pixels = 3000;
-    bool edge_blur = true;      // measure TagObservation::edge_blur
     double start_error_px = 0;  // what the corners of a prediction may be off; detected ones are within the blur
+    bool edge_blur = true;      // measure TagObservation::edge_blur
 };
 
 /// Fits homography (8), blur (3) and planes of light for paper and ink (6) to the light near the tag's edges, weighted

@@ -92,7 +92,7 @@ std::optional<TagImageFit> TagFollower::follow(const PlateFrame& frame, const Pr
     const ImageF light = context_.plate_light.gray(frame, region);
     const FitSource source{light, region.x, region.y, context_.lens, context_.plate_light.clipped_light(1)};
     const TagPattern pattern = context_.detector.family().pattern(prediction.detection.id);
-    TagFitOptions options{pixels_of_fit(context_.level), prediction.error_px};
+    TagFitOptions options{pixels_of_fit(context_.level), prediction.error_px, context_.level != TrackLevel::fast};
     // A start that is off by a cell ends in a local minimum, which correlates less.
     constexpr double certain_correlation = 0.9;
     std::optional<TagImageFit> fit = fit_tag(source, pattern, prediction.detection, options);
@@ -140,7 +140,7 @@ void TagFollower::search_everywhere(const PlateFrame& frame, FrameFindings& find
             fit = detected_corners(context_.lens, context_.detector.family().pattern(detection.id), detection);
         } else {
             fit = fit_tag(source, context_.detector.family().pattern(detection.id), detection,
-                          {pixels_of_fit(context_.level), 0});
+                          {pixels_of_fit(context_.level), 0, context_.level != TrackLevel::fast});
         }
         if (fit) {
             take(frame, *fit, findings);
