@@ -244,7 +244,7 @@ void take(OpticsFit& fit, bool defocus, OpticsSolution& solution) {
 
 /// Every second, third, … frame, so many that spreads can be learned in reasonable time.
 std::vector<TagBlurReadings> thinned(const std::vector<TagBlurReadings>& tags) {
-    constexpr std::size_t most_readings = 2500;
+    constexpr std::size_t most_readings = 1500;
     std::size_t readings = 0;
     for (const TagBlurReadings& tag : tags) readings += tag.readings.size();
     const std::size_t every = (readings + most_readings - 1) / most_readings;

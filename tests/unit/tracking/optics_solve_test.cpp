@@ -15,7 +15,7 @@ namespace matchlight {
 namespace {
 
 struct OpticsCase {
-    std::size_t frames = 30;
+    std::size_t frames = 12;
     double coc_scale = 8, shutter = 0, softness_px2 = 0.2;
     std::function<double(std::size_t)> focus_m = [](std::size_t) { return 0.6; };
     double nearest_m = 0.5, farthest_m = 0.75;
@@ -104,9 +104,9 @@ TEST(OpticsSolve, FindsApertures) {
 TEST(OpticsSolve, FollowsARack) {
     // From the far end to the near one within ten frames, still before and after.
     OpticsCase clip;
-    clip.frames = 40;
+    clip.frames = 30;
     clip.focus_m = [](std::size_t t) {
-        const double way = std::clamp((static_cast<double>(t) - 15) / 10, 0.0, 1.0);
+        const double way = std::clamp((static_cast<double>(t) - 10) / 10, 0.0, 1.0);
         return 0.72 - 0.2 * way * way * (3 - 2 * way);
     };
     const OpticsSolution optics = solve_optics(readings_of(clip), clip.frames);
@@ -117,10 +117,10 @@ TEST(OpticsSolve, FollowsARack) {
 
 TEST(OpticsSolve, ErrorsAreAsLargeAsItSays) {
     double focus_squares = 0, scale_squares = 0, shutter_squares = 0;
-    constexpr unsigned trials = 16;
+    constexpr unsigned trials = 12;
     for (unsigned seed = 1; seed <= trials; ++seed) {
         OpticsCase clip;
-        clip.frames = 16;
+        clip.frames = 10;
         clip.seed = seed;
         clip.noise_px2 = 0.04;
         clip.unevenness_px2 = 0.05;
@@ -133,7 +133,7 @@ TEST(OpticsSolve, ErrorsAreAsLargeAsItSays) {
         scale_squares += std::pow((optics.coc_scale.value - clip.coc_scale) / optics.coc_scale.sigma, 2) / trials;
         shutter_squares += std::pow((optics.shutter2.value - 0.25) / optics.shutter2.sigma, 2) / trials;
     }
-    // Sixteen trials scatter by a third; the latter two allow for kernels of other shapes, of which there are none.
+    // Twelve trials scatter by two fifths; the latter two allow for kernels of other shapes, of which there are none.
     EXPECT_GT(focus_squares, 0.3);
     EXPECT_LT(focus_squares, 2);
     EXPECT_LT(scale_squares, 2);
@@ -141,7 +141,7 @@ TEST(OpticsSolve, ErrorsAreAsLargeAsItSays) {
 }
 
 TEST(OpticsSolve, FindsTheShutterWithAndWithoutDefocus) {
-    for (const double shutter : {0.0, 0.25, 0.5, 1.0}) {
+    for (const double shutter : {0.0, 0.5, 1.0}) {
         for (const double coc_scale : {0.0, 8.0}) {
             OpticsCase clip;
             clip.shutter = shutter;
@@ -185,7 +185,7 @@ TEST(OpticsSolve, WithoutMotionTheShutterIsOpenToDoubt) {
 TEST(OpticsSolve, TagsThatLieAreOutvoted) {
     OpticsCase clip;
     std::vector<TagBlurReadings> readings = readings_of(clip);
-    for (std::size_t i = 0; i < readings.size(); i += 15) {
+    for (std::size_t i = 0; i < readings.size(); i += 9) {
         for (BlurReading& reading : readings[i].readings) reading.variance_px2 += 3;
     }
     const OpticsSolution optics = solve_optics(readings, clip.frames);
