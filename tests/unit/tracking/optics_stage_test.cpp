@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/transfer.h"
 #include "report/tag_view_reference.h"
 #include "synthetic_view.h"
 #include "tracking/blur_kernel.h"
@@ -59,7 +60,13 @@ std::vector<TagObservation> seen_in(const TagView& view, unsigned seed) {
     Recording recording;
     recording.code_noise = 1.5;
     recording.seed = seed;
-    const ImageF light = decoded_light(recorded_picture(reference_light(view), recording), recording);
+    const Image8 picture = recorded_picture(reference_light(view), recording);
+    ImageF light(picture.width(), picture.height(), 1);
+    for (int y = 0; y < picture.height(); ++y) {
+        for (int x = 0; x < picture.width(); ++x) {
+            light.at(x, y) = static_cast<float>(linear_from_srgb_code(picture.at(x, y, 1) / 255.0));
+        }
+    }
     const LensGrid lens(view.camera);
     std::vector<TagObservation> seen;
     for (const TagSheet& tag : view.tags) {
