@@ -1,5 +1,8 @@
 // matchlight calibrate: photographs in, a camera file and its page out; conversions; what is refused.
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/core/persistence.hpp>
 
 #include "../unit/calibration/synthetic_board.h"
@@ -32,12 +35,22 @@ protected:
     void photograph(int count, double most_tilt_deg = 45) {
         const BoardSpec board = read_board(small_board);
         const Camera camera = small_camera();
-        const std::vector<RigidTransform> poses = board_poses(board, camera, count, most_tilt_deg);
         fs::create_directory(scratch_ / "photos");
-        for (int i = 0; i < count; ++i) {
-            write_png8(numbered(scratch_ / "photos/photo_%02d.png", i),
-                       board_photograph(board, camera, poses[static_cast<std::size_t>(i)]));
+        int taken = 0;
+        for (const RigidTransform& pose : board_poses(board, camera, 10 * count, most_tilt_deg)) {
+            const LensData seen = synthetic_corners(board, {camera, {}}, {pose}, 0);
+            if (taken == count || !whole(seen.views[0], camera)) continue;
+            write_png8(numbered(scratch_ / "photos/photo_%02d.png", taken++), board_photograph(board, camera, pose));
         }
+        ASSERT_EQ(taken, count);
+    }
+    /// Whether all corners are seen, with a square around each.
+    static bool whole(const LensView& view, const Camera& camera) {
+        constexpr double square_px = 30;
+        return view.corners.size() == 35 && std::ranges::all_of(view.corners, [&](const BoardCorner& corner) {
+                   return corner.px.minCoeff() > square_px && corner.px.x() < camera.width - square_px &&
+                          corner.px.y() < camera.height - square_px;
+               });
     }
     RunResult calibrate(std::vector<std::string> more) {
         std::vector<std::string> arguments = {"--json", "-q", "calibrate"};
