@@ -119,7 +119,7 @@ public:
         // Fewer than two tags could stand in any of four ways.
         if (read < 2) return {{}, read, 0};
         const int turn = turn_of(tags);
-        for (auto& [place, px] : tags) std::ranges::rotate(px, px.begin() + turn);
+        for (auto& [place, px] : tags) std::rotate(px.begin(), px.begin() + turn, px.end());
         grow(picture, turn, tags);
 
         BoardSighting sighting;
@@ -231,7 +231,7 @@ private:
         double least = std::numeric_limits<double>::infinity();
         for (int turn = 0; turn < 4; ++turn) {
             TagMap turned = tags;
-            for (auto& [place, px] : turned) std::ranges::rotate(px, px.begin() + turn);
+            for (auto& [place, px] : turned) std::rotate(px.begin(), px.begin() + turn, px.end());
             const std::vector<BoardAnchor> anchors = anchors_of(turned);
             const std::optional<Eigen::Matrix3d> h = homography_of(anchors);
             if (!h) continue;
@@ -277,7 +277,7 @@ private:
 
     /// Whether the cells between these corners spell the tag's code and its black border.
     bool reads(const Image8& code, int place, int turn, std::array<Vector2d, 4> px) const {
-        std::ranges::rotate(px, px.end() - turn);  // back to the tag's own lower left
+        std::rotate(px.begin(), px.end() - turn, px.end());  // back to the tag's own lower left
         const std::array<Vector2d, 4> cells = {{{0, tag_cells}, {tag_cells, tag_cells}, {tag_cells, 0}, {0, 0}}};
         std::vector<BoardAnchor> anchors;
         for (std::size_t c = 0; c < 4; ++c) anchors.push_back({cells[c], px[c]});

@@ -63,7 +63,7 @@ double median(std::vector<double> values) {
 }
 
 /// Keeps the views (and poses) for which `keep` is set.
-void keep_views(LensData& data, std::vector<LensFit*> fits, const std::vector<char>& keep) {
+void keep_views(LensData& data, const std::vector<LensFit*>& fits, const std::vector<char>& keep) {
     std::size_t kept = 0;
     for (std::size_t v = 0; v < data.views.size(); ++v) {
         if (keep[v] == 0) continue;
