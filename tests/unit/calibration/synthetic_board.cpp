@@ -204,7 +204,8 @@ Image8 board_photograph(const BoardSpec& board, const Camera& camera, const Rigi
         for (int x = 0; x < width; ++x) {
             double sum = 0;
             for (int i = 0; i < steps * steps; ++i) {
-                const double u = (i % steps + 0.5) / steps, v = (i / steps + 0.5) / steps;
+                const int column = i % steps, row = i / steps;
+                const double u = (column + 0.5) / steps, v = (row + 0.5) / steps;
                 const Vector2d n = (1 - v) * ((1 - u) * ray(x, y) + u * ray(x + 1, y)) +
                                    v * ((1 - u) * ray(x, y + 1) + u * ray(x + 1, y + 1));
                 const Vector3d direction = board_from_camera.linear() * n.homogeneous();
