@@ -393,7 +393,8 @@ TEST(SceneSchema, IsConsistent) {
         EXPECT_EQ(setting.set != nullptr, holds_value) << setting.key;
         // A file may have words that stand in its place.
         if (kind != SettingKind::input_file) {
-            EXPECT_EQ(setting.domain.choices.empty(), kind != SettingKind::choice) << setting.key;
+            const bool has_words = kind == SettingKind::choice || kind == SettingKind::measure;
+            EXPECT_EQ(!setting.domain.choices.empty(), has_words) << setting.key;
         }
         if (nested) {
             EXPECT_NE(find_section(std::string(setting.section) + "." + std::string(setting.key)), nullptr)

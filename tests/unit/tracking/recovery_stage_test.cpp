@@ -80,6 +80,7 @@ protected:
             scene_.tags.rig.push_back({sheet.id, sheet.size_m, sheet.world_from_tag});
         }
         scene_.footage.video = "drawn.mp4";
+        scene_.footage.camera = "drawn.yaml";  // the lens is known
         options_.quiet = true;
         ObserveOptions observing;
         observing.quiet = true;
