@@ -88,8 +88,7 @@ TEST_F(SceneFile, AResponseIsAFileOrTheWordSolve) {
 }
 
 TEST_F(SceneFile, FootageMayComeWithoutACamera) {
-    const Scene scene =
-        load("[footage]\nvideo = \"clip.mp4\"\nreadout = 0.016\n[tags]\nrig = [{id = 0, size = 1}]\n");
+    const Scene scene = load("[footage]\nvideo = \"clip.mp4\"\nreadout = 0.016\n[tags]\nrig = [{id = 0, size = 1}]\n");
     EXPECT_TRUE(scene.footage.camera.empty());
     EXPECT_EQ(scene.footage.readout_s, 0.016);
     EXPECT_FALSE(scene.footage.solve_readout);

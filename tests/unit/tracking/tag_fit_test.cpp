@@ -89,7 +89,7 @@ TEST(TagFit, RecoversCornersThroughTheLensAtAnyTilt) {
             const SyntheticTag tag = tag_of("tag36h11", 17);
             const auto fit = fitted(view, tag);
             ASSERT_TRUE(fit) << tilt << " " << turn;
-                EXPECT_LT(rms(error_px(view, tag, *fit)), 0.02) << "tilt " << tilt << " turn " << turn;
+            EXPECT_LT(rms(error_px(view, tag, *fit)), 0.02) << "tilt " << tilt << " turn " << turn;
         }
     }
 }
