@@ -289,7 +289,6 @@ std::string describe(const SettingDomain& domain) {
         words += fmt::format(", {} {}", domain.above_lowest ? "above" : "from", domain.lowest);
         if (std::isfinite(domain.highest)) words += fmt::format(" to {}", domain.highest);
     }
-    if (domain.kind == measure) words += fmt::format(", or \"{}\"", fmt::join(domain.choices, "\", \""));
     return words;
 }
 

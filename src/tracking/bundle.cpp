@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
@@ -23,7 +26,7 @@ constexpr double loss_scale_squared = 32;
 constexpr double zeros[8] = {};
 
 TagCovariance whitening_px(const BundleView& view, const ModelFreedom& freedom) {
-    TagCovariance covariance = view.covariance_px;
+    TagCovariance covariance = freedom.noise_scale * freedom.noise_scale * view.covariance_px;
     covariance.diagonal().array() += freedom.noise_floor_px * freedom.noise_floor_px;
     const TagCovariance information = covariance.ldlt().solve(TagCovariance::Identity());
     return Eigen::LLT<TagCovariance>(0.5 * (information + information.transpose())).matrixU();
@@ -58,13 +61,20 @@ public:
           freedom_(freedom),
           frames_(frames),
           columns_(model, freedom),
-          lens_(lens_vector(model.camera)),
-          readout_s_(model.readout_s),
-          poses_(frames.size(), PoseVector::Zero()) {
+          poses_(frames.size(), PoseVector::Zero()),
+          shared_(6 * model.tags.size() + 8 * model.tags.size() + lens_parameter_count + 1 + 3, 0.0) {
+        double* next = shared_.data();
+        const auto take = [&](std::size_t size) { return std::exchange(next, next + size); };
         for (const auto& [id, tag] : model.tags) {
-            places_[id] = PoseVector::Zero();
-            offsets_[id] = offset_vector(tag);
+            places_[id] = take(6);
+            offsets_[id] = take(8);
+            std::ranges::copy(offset_vector(tag), offsets_.at(id));
         }
+        lens_ = take(lens_parameter_count);
+        std::ranges::copy(lens_vector(model.camera), lens_);
+        readout_s_ = take(1);
+        *readout_s_ = model.readout_s;
+        plane_ = take(3);
         add_frames();
         if (problem_.NumResidualBlocks() == 0) return;
         add_shared();
@@ -106,63 +116,64 @@ private:
                 const int id = view.seen->id;
                 problem_.AddResidualBlock(
                     new TagCost(new TagPixelResidual(residual_of(model_, freedom_, frames_[f], view))),
-                    new ceres::CauchyLoss(std::sqrt(loss_scale_squared)), poses_[f].data(), places_.at(id).data(),
-                    offsets_.at(id).data(), lens_.data(), &readout_s_);
+                    new ceres::CauchyLoss(std::sqrt(loss_scale_squared)), poses_[f].data(), places_.at(id),
+                    offsets_.at(id), lens_, readout_s_);
             }
         }
     }
 
     void add_shared() {
-        for (auto& [id, place] : places_) {
-            if (!problem_.HasParameterBlock(place.data())) continue;
-            if (!columns_.places.contains(id)) problem_.SetParameterBlockConstant(place.data());
+        for (const auto& [id, place] : places_) {
+            if (!problem_.HasParameterBlock(place)) continue;
+            if (!columns_.places.contains(id)) problem_.SetParameterBlockConstant(place);
             if (!columns_.offsets.contains(id)) {
-                problem_.SetParameterBlockConstant(offsets_.at(id).data());
+                problem_.SetParameterBlockConstant(offsets_.at(id));
             } else {
                 const double sigma_m = freedom_.corner_bias_px * model_.tags.at(id).metres_per_px;
                 problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<OffsetPrior, 8, 8>(new OffsetPrior{sigma_m}),
-                                          nullptr, offsets_.at(id).data());
+                                          nullptr, offsets_.at(id));
             }
             const ModelTag& tag = model_.tags.at(id);
             if (columns_.plane < 0 || !tag.on_plane) continue;
             problem_.AddResidualBlock(
                 new ceres::AutoDiffCostFunction<OnPlaneResidual, 3, 6, 3>(new OnPlaneResidual{
                     tag.world_from_tag, model_.world_from_plane, tag.size_m / 2, *freedom_.plane_sigma_m}),
-                nullptr, place.data(), plane_.data());
+                nullptr, place, plane_);
         }
         std::vector<int> constant;
         for (int i = 0; i < lens_parameter_count; ++i) {
             if (!freedom_.lens[std::size_t(i)]) constant.push_back(i);
         }
         if (constant.size() == lens_parameter_count) {
-            problem_.SetParameterBlockConstant(lens_.data());
+            problem_.SetParameterBlockConstant(lens_);
         } else {
             if (!constant.empty()) {
-                problem_.SetManifold(lens_.data(), new ceres::SubsetManifold(lens_parameter_count, constant));
+                problem_.SetManifold(lens_, new ceres::SubsetManifold(lens_parameter_count, constant));
             }
             problem_.AddResidualBlock(
                 new ceres::AutoDiffCostFunction<LensPriorResidual, lens_parameter_count, lens_parameter_count>(
                     new LensPriorResidual{freedom_.prior}),
-                nullptr, lens_.data());
+                nullptr, lens_);
         }
         if (!freedom_.readout) {
-            problem_.SetParameterBlockConstant(&readout_s_);
+            problem_.SetParameterBlockConstant(readout_s_);
         } else {
             problem_.AddResidualBlock(
                 new ceres::AutoDiffCostFunction<ReadoutPrior, 1, 1>(new ReadoutPrior{freedom_.readout_sigma_s}),
-                nullptr, &readout_s_);
+                nullptr, readout_s_);
         }
     }
 
     void take_back() {
-        model_.camera = camera_with(model_.camera, lens_);
-        model_.readout_s = readout_s_;
+        model_.camera = camera_with(model_.camera, Eigen::Map<const LensVector>(lens_, lens_parameter_count));
+        model_.readout_s = *readout_s_;
         for (auto& [id, tag] : model_.tags) {
-            if (columns_.places.contains(id)) tag.world_from_tag = perturbed(tag.world_from_tag, places_.at(id));
-            Eigen::Map<OffsetVector>(tag.corner_offsets_m.data()) = offsets_.at(id);
+            if (columns_.places.contains(id))
+                tag.world_from_tag = perturbed(tag.world_from_tag, Eigen::Map<const PoseVector>(places_.at(id)));
+            Eigen::Map<OffsetVector>(tag.corner_offsets_m.data()) = Eigen::Map<const OffsetVector>(offsets_.at(id));
         }
         PoseVector plane = PoseVector::Zero();
-        plane << plane_.head<2>(), 0, 0, 0, plane_[2];
+        plane << plane_[0], plane_[1], 0, 0, 0, plane_[2];
         model_.world_from_plane = perturbed(model_.world_from_plane, plane);
         for (std::size_t f = 0; f < frames_.size(); ++f) {
             frames_[f].camera_from_world = perturbed(frames_[f].camera_from_world, poses_[f]);
@@ -173,12 +184,13 @@ private:
     const ModelFreedom& freedom_;
     std::vector<BundleFrame>& frames_;
     SharedColumns columns_;
-    LensVector lens_;
-    double readout_s_;
+    // Ceres orders blocks by their addresses: two arrays, so that sums run in the same order every time.
     std::vector<PoseVector> poses_;
-    std::map<int, PoseVector> places_;
-    std::map<int, OffsetVector> offsets_;
-    Eigen::Vector3d plane_ = Eigen::Vector3d::Zero();
+    std::vector<double> shared_;
+    std::map<int, double*> places_, offsets_;  // in shared_, as what follows
+    double* lens_ = nullptr;
+    double* readout_s_ = nullptr;
+    double* plane_ = nullptr;
     ceres::Problem problem_;
 };
 

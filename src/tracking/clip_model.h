@@ -51,6 +51,7 @@ struct ModelFreedom {
     double readout_sigma_s = 0.04;        // before the clip: up to a frame of film
     std::optional<double> plane_sigma_m;  // how far sheets depart from a common plane; nullopt: no plane is assumed
     double corner_bias_px = 0;            // standard deviation of corner_offsets_m, at the median distance
+    double noise_scale = 1;               // of the standard deviations that the fits state
     double noise_floor_px = 0;            // added to the fits' own covariance, independent from frame to frame
     LensPrior prior;
 };

@@ -143,7 +143,7 @@ private:
         }
     }
 
-    /// The floor under the noise at which half of the frames have larger residuals than expected.
+    /// The noise at which half of the frames have larger residuals than expected.
     void estimate_floor(const std::vector<BundleFrame>& chosen) {
         std::vector<double> ratios, stated_px2;
         const SharedColumns none;
@@ -158,10 +158,15 @@ private:
         }
         if (ratios.empty()) return;
         const double stated = median(stated_px2);
-        const double needed = median(ratios) * (stated + freedom_.noise_floor_px * freedom_.noise_floor_px) - stated;
-        // Coding alone leaves a few thousandths of a pixel from frame to frame.
-        constexpr double least_px = 0.005;
-        freedom_.noise_floor_px = std::sqrt(std::max(needed, least_px * least_px));
+        const double taken =
+            freedom_.noise_scale * freedom_.noise_scale * stated + freedom_.noise_floor_px * freedom_.noise_floor_px;
+        const double needed = median(ratios) * taken;
+        // Coding alone leaves a few thousandths of a pixel from frame to frame. Corners that hold still better than
+        // they are stated to would otherwise be smoothed more than the motion allows.
+        constexpr double least_px = 0.005, least_scale = 0.05;
+        freedom_.noise_floor_px = std::sqrt(std::max(needed - stated, least_px * least_px));
+        const double floor_px2 = freedom_.noise_floor_px * freedom_.noise_floor_px;
+        freedom_.noise_scale = std::clamp(std::sqrt(std::max(0.0, needed - floor_px2) / stated), least_scale, 1.0);
     }
 
     void choose_lens(const std::vector<BundleFrame>& chosen) {
