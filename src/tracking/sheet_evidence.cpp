@@ -17,6 +17,11 @@ namespace {
 /// A tag that is not on the plane may be anywhere in a room.
 constexpr double anywhere_m = 0.3;
 
+/// What print, glue and light that bleeds leave of a fitted corner.
+constexpr double usual_bias_px = 0.03;
+/// More than this is not the sheets' doing but a wrong lens', which corners must not absorb.
+constexpr double most_bias_px = 0.1;
+
 class Evidence {
 public:
     Evidence(const SharedNormal& frames_say, const SharedColumns& columns, const ClipModel& model,
@@ -66,11 +71,10 @@ struct Choice {
 
 Choice best_scales(const Evidence& evidence, const std::set<int>& on_plane) {
     // In steps of √2: finer ones change nothing that could be seen. A hundredth of a pixel is what a fit of pixels
-    // reaches at best; more than a tenth is no print's or glue's doing but a wrong lens', which corners must not
-    // absorb. Sheets bend by no less than the hundredth of a millimetre of a print on glass; over 3 mm they are on no
-    // plane.
+    // reaches at best. Sheets bend by no less than the hundredth of a millimetre of a print on glass; over 3 mm they
+    // are on no plane.
     Choice best;
-    for (double bias_px = 0.01; bias_px < 0.1; bias_px *= std::sqrt(2.0)) {
+    for (double bias_px = 0.01; bias_px < 0.33; bias_px *= std::sqrt(2.0)) {
         for (double sigma_m = 1e-5; sigma_m < 3e-3; sigma_m *= 2) {
             const double value = evidence(bias_px, sigma_m, on_plane);
             if (value > best.evidence) best = {bias_px, sigma_m, value};
@@ -107,7 +111,7 @@ void choose_sheet_evidence(const SharedNormal& frames_say, const SharedColumns& 
                            ModelFreedom& freedom) {
     if (model.tags.size() < 2) {
         // A lone tag's corners cannot be told from the lens and the path: what is usual is taken, and no plane.
-        freedom.corner_bias_px = 0.03;
+        freedom.corner_bias_px = usual_bias_px;
         freedom.plane_sigma_m.reset();
         return;
     }
@@ -137,7 +141,7 @@ void choose_sheet_evidence(const SharedNormal& frames_say, const SharedColumns& 
         on_plane.erase(worst);
         best = better;
     }
-    freedom.corner_bias_px = best.bias_px;
+    freedom.corner_bias_px = best.bias_px > most_bias_px ? usual_bias_px : best.bias_px;
     freedom.plane_sigma_m.reset();
     for (auto& [id, tag] : model.tags) tag.on_plane = on_plane.size() >= 2 && on_plane.contains(id);
     if (on_plane.size() >= 2) freedom.plane_sigma_m = best.plane_sigma_m;
