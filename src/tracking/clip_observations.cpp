@@ -43,7 +43,7 @@ public:
         if (!pending_) pending_ = decode();
         while (pending_ &&
                (group.empty() || group.front().index() / group_length == pending_->index() / group_length)) {
-            group.push_back(std::move(*pending_));
+            group.push_back(*std::exchange(pending_, std::nullopt));  // nothing is left where decoding throws
             pending_ = decode();
         }
         return group;
