@@ -89,7 +89,8 @@ Choice best_scales(const Evidence& evidence, const std::set<int>& on_plane) {
 RigidTransform likely_plane(const ClipModel& model) {
     const ModelTag* best = nullptr;
     int most = 0;
-    for (const auto& [id, tag] : model.tags) {
+    for (const auto& entry : model.tags) {
+        const ModelTag& tag = entry.second;
         const RigidTransform tag_from_world = tag.world_from_tag.inverse();
         // Rough places are good to a degree or two and a part of the tag's size.
         constexpr double alike_cosine = 0.996;
