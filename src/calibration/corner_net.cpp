@@ -10,6 +10,7 @@
 #include <Eigen/SVD>
 
 #include "calibration/saddle.h"
+#include "core/median.h"
 
 namespace matchlight {
 namespace {
@@ -90,9 +91,7 @@ void finish_sighting(BoardSighting& sighting) {
     std::vector<double> blurs;
     for (const BoardCorner& corner : sighting.corners) blurs.push_back(corner.blur_px);
     if (blurs.empty()) return;
-    const auto middle = blurs.begin() + static_cast<std::ptrdiff_t>(blurs.size() / 2);
-    std::ranges::nth_element(blurs, middle);
-    sighting.blur_px = *middle;
+    sighting.blur_px = upper_median_in_place(blurs);
 }
 
 }  // namespace matchlight

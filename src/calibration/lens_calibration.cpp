@@ -11,6 +11,7 @@
 #include "calibration/lens_uncertainty.h"
 #include "calibration/view_choice.h"
 #include "core/error.h"
+#include "core/median.h"
 
 namespace matchlight {
 namespace {
@@ -56,12 +57,6 @@ LensCandidate freest(const std::vector<LensCandidate>& candidates, LensModel len
     return best;
 }
 
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    return *middle;
-}
-
 /// Keeps the views (and poses) for which `keep` is set.
 void keep_views(LensData& data, const std::vector<LensFit*>& fits, const std::vector<char>& keep) {
     std::size_t kept = 0;
@@ -97,10 +92,10 @@ bool drop_outliers(LensData& data, const std::vector<LensFit*>& fits, const Lens
         by_view.push_back(std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, distances[v].size()))));
     }
     // The median length of a Gaussian error of two coordinates is 1.1774 of their sigma (Rayleigh).
-    const double sigma_px = median(all) / 1.1774;
+    const double sigma_px = upper_median(all) / 1.1774;
     constexpr double floor_px = 0.1;  // rendered pictures: what is left is rounding, not a distribution
     const double most_px = std::max(5 * sigma_px, floor_px);
-    const double most_view_px = std::max(4 * median(by_view), floor_px);
+    const double most_view_px = std::max(4 * upper_median(by_view), floor_px);
     bool any = false;
     std::vector<char> keep(data.views.size(), 1);
     for (std::size_t v = 0; v < data.views.size(); ++v) {

@@ -11,6 +11,7 @@
 #include <Eigen/LU>
 
 #include "calibration/corner_net.h"
+#include "core/median.h"
 
 namespace matchlight {
 namespace {
@@ -27,9 +28,7 @@ struct DescribedView {
 double median_blur(const LensView& view) {
     std::vector<double> blurs;
     for (const BoardCorner& corner : view.corners) blurs.push_back(corner.blur_px);
-    const auto middle = blurs.begin() + static_cast<std::ptrdiff_t>(blurs.size() / 2);
-    std::ranges::nth_element(blurs, middle);
-    return *middle;
+    return upper_median_in_place(blurs);
 }
 
 /// The board's normal in a camera of an ordinary focal length: good enough to tell tilts apart.

@@ -35,6 +35,12 @@ Eigen::Matrix<double, 3, 4> tag_corners_m(double size_m) {
     return corners;
 }
 
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+    Eigen::Matrix3d m;
+    m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+    return m;
+}
+
 RigidTransform camera_looking_along(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& forward) {
     // 1e-6: beyond it the horizon's direction would be rounding.
     const bool is_vertical = forward.cross(Eigen::Vector3d::UnitZ()).norm() < 1e-6;

@@ -29,6 +29,9 @@ inline Eigen::Vector2d pixel_from_detector(const Eigen::Vector2d& detector_px) {
 /// printed sheet: (−,−), (+,−), (+,+), (−,+), z = 0.
 Eigen::Matrix<double, 3, 4> tag_corners_m(double size_m);
 
+/// [v]× of v × w = [v]× w.
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
+
 /// The camera at `eye` that looks along `forward` (of unit length), upright where it can be: the world's z is up in its
 /// picture, or, when it looks straight up or down, the world's y.
 RigidTransform camera_looking_along(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& forward);

@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "core/median.h"
+
 namespace matchlight {
 namespace {
 
@@ -19,12 +21,6 @@ constexpr double visible_ev = 0.1;
 constexpr double unusual = 6;
 constexpr double sigma_per_mad = 1.4826;  // of a normal distribution
 constexpr double doubtful = 0.5;          // a confidence below it is said to be low
-
-double median_of(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 TagCorners projected(const Solve& solve, const RigidTransform& camera_from_world, const SolvedTag& tag) {
     const Eigen::Matrix<double, 3, 4> corners = camera_from_world * tag.world_from_tag * tag_corners_m(tag.size_m);
@@ -153,9 +149,9 @@ void flag_residuals(Flags& flags, const Solve& solve, SolveFindings& found) {
         if (frame.reprojection_px) values.push_back(*frame.reprojection_px);
     }
     if (values.empty()) return;
-    const double median = median_of(values);
+    const double median = upper_median(values);
     for (const double value : values) deviations.push_back(std::abs(value - median));
-    const double limit = std::max(2 * median, median + unusual * sigma_per_mad * median_of(deviations));
+    const double limit = std::max(2 * median, median + unusual * sigma_per_mad * upper_median(deviations));
     found.median_reprojection_px = median;
     flags.add(
         "residuals far above the clip's",
@@ -223,10 +219,8 @@ std::optional<double> predicted_error_px(const Solve& solve, const RigidTransfor
             const Eigen::Vector3d seen = camera_from_world * world;
             if (!(seen.z() > 0)) continue;
             // camera_from_world · Exp(ω, v) moves a point by R·(ω × X + v).
-            Eigen::Matrix3d cross;
-            cross << 0, -world.z(), world.y(), world.z(), 0, -world.x(), -world.y(), world.x(), 0;
             Eigen::Matrix<double, 3, 6> moved;
-            moved << -cross, Eigen::Matrix3d::Identity();
+            moved << -cross_matrix(world), Eigen::Matrix3d::Identity();
             Eigen::Matrix<double, 2, 3> px;
             px << solve.camera.fx / seen.z(), 0, -solve.camera.fx * seen.x() / (seen.z() * seen.z()),  //
                 0, solve.camera.fy / seen.z(), -solve.camera.fy * seen.y() / (seen.z() * seen.z());

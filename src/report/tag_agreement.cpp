@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <map>
 
+#include "core/median.h"
+
 namespace matchlight {
 
 namespace {
@@ -82,11 +84,7 @@ TagAgreement tag_agreement(const std::vector<FrameObservations>& frames, const s
         }
     }
     std::optional<double> median_px;
-    if (!each_px.empty()) {
-        const auto middle = each_px.begin() + static_cast<std::ptrdiff_t>(each_px.size() / 2);
-        std::ranges::nth_element(each_px, middle);
-        median_px = *middle;
-    }
+    if (!each_px.empty()) median_px = upper_median_in_place(each_px);
     return {reprojection.root(), left_out.root(), median_px, jitter.root()};
 }
 

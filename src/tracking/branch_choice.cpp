@@ -24,10 +24,8 @@ ViewingDirection viewing_direction(const CameraPose& pose, const Eigen::Vector3d
     ViewingDirection view;
     view.direction = offset / distance;
     // The centre moves by centre × ω − τ under the perturbation (ω, τ) on the world side.
-    Eigen::Matrix3d cross;
-    cross << 0, -centre.z(), centre.y(), centre.z(), 0, -centre.x(), -centre.y(), centre.x(), 0;
     Eigen::Matrix<double, 3, 6> by_perturbation;
-    by_perturbation << cross, -Eigen::Matrix3d::Identity();
+    by_perturbation << cross_matrix(centre), -Eigen::Matrix3d::Identity();
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - view.direction * view.direction.transpose();
     const Eigen::Matrix<double, 3, 6> jacobian = across * by_perturbation / distance;
     view.variance = 0.5 * (jacobian * pose.covariance * jacobian.transpose()).trace();

@@ -16,12 +16,6 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Vector8 = Eigen::Matrix<double, 8, 1>;
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-    Eigen::Matrix3d m;
-    m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-    return m;
-}
-
 struct WhitenedTag {
     Eigen::Matrix<double, 3, 4> corners_world;
     TagCorners measured;

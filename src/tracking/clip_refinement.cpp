@@ -9,6 +9,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/median.h"
 #include "core/parallel.h"
 #include "tracking/bundle.h"
 #include "tracking/lens_freedom.h"
@@ -20,12 +21,6 @@
 namespace matchlight {
 
 namespace {
-
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 class Refinement {
 public:
@@ -90,7 +85,7 @@ private:
             }
         }
         std::erase_if(model_.tags, [&](const auto& tag) { return !sides_px.contains(tag.first); });
-        for (auto& [id, tag] : model_.tags) tag.metres_per_px = tag.size_m / median(sides_px.at(id));
+        for (auto& [id, tag] : model_.tags) tag.metres_per_px = tag.size_m / upper_median(sides_px.at(id));
     }
 
     /// Frames that know what all share: a few hundred determine it many times over; more cost time and change little.
@@ -157,10 +152,10 @@ private:
             for (const BundleView& view : frame.views) stated_px2.push_back(view.covariance_px.trace() / 8);
         }
         if (ratios.empty()) return;
-        const double stated = median(stated_px2);
+        const double stated = upper_median(stated_px2);
         const double taken =
             freedom_.noise_scale * freedom_.noise_scale * stated + freedom_.noise_floor_px * freedom_.noise_floor_px;
-        const double needed = median(ratios) * taken;
+        const double needed = upper_median(ratios) * taken;
         // Coding alone leaves a few thousandths of a pixel from frame to frame. Corners that hold still better than
         // they are stated to would otherwise be smoothed more than the motion allows.
         constexpr double least_px = 0.005, least_scale = 0.05;

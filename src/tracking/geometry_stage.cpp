@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "core/error.h"
+#include "core/median.h"
 #include "tracking/clip_refinement.h"
 #include "tracking/lens_projection.h"
 #include "tracking/lens_start.h"
@@ -93,9 +94,7 @@ void take_path(const ClipContext& context, const GeometrySolution& geometry, Sol
 
 std::optional<double> median(std::vector<double> values) {
     if (values.empty()) return std::nullopt;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    return upper_median_in_place(values);
 }
 
 void report_readout(const ClipContext& context, const GeometrySolution& geometry, Solve& solve, TrackSummary& summary) {

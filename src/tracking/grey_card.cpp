@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "core/median.h"
 #include "tracking/robust_plane.h"
 #include "tracking/tag_pixels.h"
 

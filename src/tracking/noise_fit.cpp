@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "tracking/robust_plane.h"
+#include "core/median.h"
 
 namespace matchlight {
 

@@ -21,12 +21,10 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 Matrix6 camera_side_from_world_side(const RigidTransform& camera_from_world) {
     const Eigen::Matrix3d rotation = camera_from_world.linear();
     const Eigen::Vector3d t = camera_from_world.translation();
-    Eigen::Matrix3d cross;
-    cross << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
     Matrix6 adjoint = Matrix6::Zero();
     adjoint.topLeftCorner<3, 3>() = rotation;
     adjoint.bottomRightCorner<3, 3>() = rotation;
-    adjoint.bottomLeftCorner<3, 3>() = cross * rotation;
+    adjoint.bottomLeftCorner<3, 3>() = cross_matrix(t) * rotation;
     return adjoint;
 }
 

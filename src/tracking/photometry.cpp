@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/median.h"
 #include "tracking/light_gradient.h"
-#include "tracking/robust_plane.h"
 
 namespace matchlight {
 

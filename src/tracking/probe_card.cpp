@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/median.h"
 #include "tracking/robust_plane.h"
 
 namespace matchlight {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/median.h"
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/stop.h"
@@ -311,9 +312,7 @@ private:
             }
         }
         if (shares.empty()) return std::nullopt;
-        const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
-        std::nth_element(shares.begin(), middle, shares.end());
-        return std::min(1.0, *middle);
+        return std::min(1.0, upper_median_in_place(shares));
     }
 
     /// Moves the poses of joint fits to mid-exposure where the camera sped up or slowed down: its acceleration is known

@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "tracking/robust_plane.h"
+#include "core/median.h"
 
 namespace matchlight {
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/median.h"
 #include "tracking/rig_image_search.h"
 
 namespace matchlight {
@@ -54,13 +55,6 @@ struct Linearized {
 
     double unexplained_share() const { return variance > 0 ? unexplained / variance : 1; }
 };
-
-double median_of(std::vector<double>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 class RigMinimiser {
 public:
@@ -119,7 +113,7 @@ public:
         }
         result.cost = cost_;
         cost_ = 0;
-        result.residual_scale = 1.4826 * median_of(residuals);
+        result.residual_scale = 1.4826 * (residuals.empty() ? 0 : upper_median_in_place(residuals));
         return result;
     }
 

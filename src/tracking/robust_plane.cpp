@@ -2,20 +2,14 @@
 #include "tracking/robust_plane.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-namespace matchlight {
+#include "core/median.h"
 
-double upper_median(std::vector<double> values) {
-    assert(!values.empty());
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
+namespace matchlight {
 
 PlaneFit fit_robust_plane(const std::vector<PlaneSample>& samples, double least_spread) {
     std::vector<double> values;

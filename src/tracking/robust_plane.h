@@ -21,7 +21,4 @@ struct PlaneFit {
 /// lose their voice. A level without slopes where samples are fewer than 8. `samples` must not be empty.
 PlaneFit fit_robust_plane(const std::vector<PlaneSample>& samples, double least_spread);
 
-/// The middle one; of an even number the upper of the two. `values` must not be empty.
-double upper_median(std::vector<double> values);
-
 }  // namespace matchlight

@@ -7,19 +7,14 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "core/median.h"
+
 namespace matchlight {
 
 namespace {
 
 using Vector = TagParameters::Vector;
 using Matrix = TagParameters::Matrix;
-
-double median_of(std::vector<double>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 /// Tukey's biweight: what is many scales away counts nothing.
 double biweight(double residual, double cut) {
@@ -106,7 +101,7 @@ TagFitState TagMinimiser::linearized(const Vector& parameters, double cut, Light
     const auto count = static_cast<double>(std::max<std::size_t>(1, residuals_.size()));
     const double variance = squares - sum * sum / count;
     state.correlation = variance > 0 ? std::sqrt(std::max(0.0, 1 - unexplained / variance)) : 0;
-    state.residual_scale = 1.4826 * median_of(residuals_);
+    state.residual_scale = 1.4826 * (residuals_.empty() ? 0 : upper_median_in_place(residuals_));
     state.normal.triangularView<Eigen::StrictlyUpper>() = state.normal.transpose();
     return state;
 }

@@ -10,7 +10,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "tracking/robust_plane.h"
+#include "core/median.h"
 
 namespace matchlight {
 
