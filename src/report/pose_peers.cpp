@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <memory>
 #include <new>
 
@@ -39,13 +40,76 @@ RigidTransform from_rodrigues(const cv::Vec3d& turn, const cv::Vec3d& shift) {
     return pose;
 }
 
-/// Smallest extent of the points over their largest.
-double flatness(const std::vector<SeenPoint>& points) {
+/// Of the poses offered, the one that has all points in front of the camera and leaves the least squared residual.
+struct BestPose {
+    double squared_px = std::numeric_limits<double>::infinity();
+    std::optional<RigidTransform> pose;
+
+    void offer(const RigidTransform& camera_from_points, const Eigen::Matrix3Xd& points_m,
+               const std::vector<cv::Point2d>& seen_px) {
+        if (!camera_from_points.matrix().allFinite()) return;
+        double squared = 0;
+        for (std::size_t i = 0; i < seen_px.size(); ++i) {
+            const Eigen::Vector3d point = camera_from_points * points_m.col(static_cast<Eigen::Index>(i));
+            if (!(point.z() > 0)) return;
+            squared += (focal_px * point.hnormalized() - Eigen::Vector2d(seen_px[i].x, seen_px[i].y)).squaredNorm();
+        }
+        if (squared < squared_px) squared_px = squared, pose = camera_from_points;
+    }
+};
+
+cv::Matx33d camera_matrix() {
+    return {focal_px, 0, 0, 0, focal_px, 0, 0, 0, 1};
+}
+
+/// IPPE's pose of points in a plane z = 0. It is asked for both sides of the plane: OpenCV turns the points onto a
+/// plane of its own making, whose side follows from rounding, and loses its digits where the turn that it returns is by
+/// 180°.
+std::optional<RigidTransform> ippe_pose_of_plane(const Eigen::Matrix3Xd& points_m,
+                                                 const std::vector<cv::Point2d>& seen_px) {
+    BestPose best;
+    for (const double side : {1.0, -1.0}) {
+        const RigidTransform turned_from_plane(Eigen::Vector3d(1, side, side).asDiagonal());
+        std::vector<cv::Point3d> turned;
+        for (const auto& point : points_m.colwise()) turned.emplace_back(point.x(), side * point.y(), 0);
+        std::vector<cv::Vec3d> turns, shifts;
+        cv::solvePnPGeneric(turned, seen_px, camera_matrix(), cv::noArray(), turns, shifts, false, cv::SOLVEPNP_IPPE);
+        for (std::size_t i = 0; i < turns.size(); ++i)
+            best.offer(from_rodrigues(turns[i], shifts[i]) * turned_from_plane, points_m, seen_px);
+    }
+    return best.pose;
+}
+
+/// The frame of the plane through points: z = 0 at their middle, x along their largest extent.
+struct FittedPlane {
+    RigidTransform plane_from_world = RigidTransform::Identity();
+    /// Smallest extent of the points over their largest.
+    double flatness = 0;
+};
+
+FittedPlane fitted_plane(const std::vector<SeenPoint>& points) {
     Eigen::Matrix3Xd all(3, static_cast<Eigen::Index>(points.size()));
     for (std::size_t i = 0; i < points.size(); ++i) all.col(static_cast<Eigen::Index>(i)) = points[i].world_m;
-    all.colwise() -= all.rowwise().mean().eval();
-    const Eigen::Vector3d extents = Eigen::JacobiSVD<Eigen::Matrix3Xd>(all).singularValues();
-    return extents.z() / extents.x();
+    const Eigen::Vector3d middle = all.rowwise().mean();
+    all.colwise() -= middle;
+    const Eigen::JacobiSVD<Eigen::Matrix3Xd> extents(all, Eigen::ComputeFullU);
+    Eigen::Matrix3d world_from_plane = extents.matrixU();
+    if (world_from_plane.determinant() < 0) world_from_plane.col(2) *= -1;
+    FittedPlane plane;
+    plane.plane_from_world.linear() = world_from_plane.transpose();
+    plane.plane_from_world.translation() = -world_from_plane.transpose() * middle;
+    plane.flatness = extents.singularValues().z() / extents.singularValues().x();
+    return plane;
+}
+
+std::optional<RigidTransform> ippe_pose_of_flat(const std::vector<SeenPoint>& points, const FittedPlane& plane,
+                                                const std::vector<cv::Point2d>& seen_px) {
+    Eigen::Matrix3Xd in_plane(3, static_cast<Eigen::Index>(points.size()));
+    for (std::size_t i = 0; i < points.size(); ++i)
+        in_plane.col(static_cast<Eigen::Index>(i)) = plane.plane_from_world * points[i].world_m;
+    const std::optional<RigidTransform> camera_from_plane = ippe_pose_of_plane(in_plane, seen_px);
+    if (!camera_from_plane) return std::nullopt;
+    return *camera_from_plane * plane.plane_from_world;
 }
 
 }  // namespace
@@ -86,38 +150,36 @@ RigidTransform apriltag_pose(const TagCorners& corners_normalized, double size_m
 }
 
 std::optional<RigidTransform> ippe_pose(const TagCorners& corners_normalized, double size_m) {
-    const Eigen::Matrix<double, 3, 4> corners_m = tag_corners_m(size_m);
-    std::vector<cv::Point3d> tag;
-    std::vector<cv::Point2d> seen;
-    for (int i = 0; i < 4; ++i) {
-        tag.emplace_back(corners_m(0, i), corners_m(1, i), corners_m(2, i));
-        seen.emplace_back(focal_px * corners_normalized(0, i), focal_px * corners_normalized(1, i));
-    }
-    std::vector<cv::Vec3d> turns, shifts;
-    const int count = cv::solvePnPGeneric(tag, seen, cv::Matx33d(focal_px, 0, 0, 0, focal_px, 0, 0, 0, 1),
-                                          cv::noArray(), turns, shifts, false, cv::SOLVEPNP_IPPE);
-    if (count < 1) return std::nullopt;
-    const RigidTransform pose = from_rodrigues(turns[0], shifts[0]);  // sorted by reprojection error
-    if (!pose.matrix().allFinite()) return std::nullopt;
-    return pose;
+    std::vector<cv::Point2d> seen_px;
+    for (const auto& corner : corners_normalized.colwise())
+        seen_px.emplace_back(focal_px * corner.x(), focal_px * corner.y());
+    return ippe_pose_of_plane(tag_corners_m(size_m), seen_px);
 }
 
 std::optional<RigidTransform> solve_pnp_pose(const std::vector<SeenPoint>& points) {
     constexpr std::size_t least_points = 4;
     if (points.size() < least_points) return std::nullopt;
     std::vector<cv::Point3d> world;
-    std::vector<cv::Point2d> seen;
+    std::vector<cv::Point2d> seen_px;
     for (const SeenPoint& point : points) {
         world.emplace_back(point.world_m.x(), point.world_m.y(), point.world_m.z());
-        seen.emplace_back(focal_px * point.normalized.x(), focal_px * point.normalized.y());
+        seen_px.emplace_back(focal_px * point.normalized.x(), focal_px * point.normalized.y());
     }
     constexpr double flat = 1e-3;
-    const cv::Matx33d camera(focal_px, 0, 0, 0, focal_px, 0, 0, 0, 1);
+    const FittedPlane plane = fitted_plane(points);
     cv::Vec3d turn, shift;
     try {
-        const int method = flatness(points) < flat ? cv::SOLVEPNP_IPPE : cv::SOLVEPNP_SQPNP;
-        if (!cv::solvePnP(world, seen, camera, cv::noArray(), turn, shift, false, method)) return std::nullopt;
-        cv::solvePnPRefineLM(world, seen, camera, cv::noArray(), turn, shift);
+        if (plane.flatness < flat) {
+            const std::optional<RigidTransform> start = ippe_pose_of_flat(points, plane, seen_px);
+            if (!start) return std::nullopt;
+            const Eigen::AngleAxisd axis(start->linear());
+            const Eigen::Vector3d rotation = axis.angle() * axis.axis();
+            for (int i = 0; i < 3; ++i) turn[i] = rotation[i], shift[i] = start->translation()[i];
+        } else if (!cv::solvePnP(world, seen_px, camera_matrix(), cv::noArray(), turn, shift, false,
+                                 cv::SOLVEPNP_SQPNP)) {
+            return std::nullopt;
+        }
+        cv::solvePnPRefineLM(world, seen_px, camera_matrix(), cv::noArray(), turn, shift);
     } catch (const cv::Exception&) {
         return std::nullopt;  // points that no pose explains
     }

@@ -246,6 +246,24 @@ TEST(PosePeers, FindExactPoses) {
     EXPECT_FALSE(solve_pnp_pose({}));
 }
 
+TEST(PosePeers, FindPlanesFromEitherSideAtAnyTurn) {
+    // OpenCV's own choice of the plane's side, and a turn by exactly 180°, must not matter.
+    for (const double turn_deg : {0.0, 35.0, 90.0, 180.0}) {
+        for (const double tilt_deg : {0.0, 0.5, 40.0, 140.0, 180.0}) {
+            RigidTransform truth = RigidTransform::Identity();
+            truth.linear() = rotation_from_degrees({tilt_deg, 0, turn_deg});
+            truth.translation() = Eigen::Vector3d(0.05, -0.02, 0.8);
+            std::vector<SeenPoint> points;
+            for (const Eigen::Vector3d& world_m : {Eigen::Vector3d(-0.1, 0.07, 0), Eigen::Vector3d(0.2, 0.1, 0),
+                                                   Eigen::Vector3d(0.1, -0.1, 0), Eigen::Vector3d(-0.15, -0.12, 0)})
+                points.push_back({world_m, (truth * world_m).hnormalized()});
+            const std::optional<RigidTransform> found = solve_pnp_pose(points);
+            ASSERT_TRUE(found) << tilt_deg << "° " << turn_deg << "°";
+            EXPECT_LT((found->matrix() - truth.matrix()).cwiseAbs().maxCoeff(), 1e-6) << tilt_deg << "° " << turn_deg;
+        }
+    }
+}
+
 TEST(TagPoseTrial, NoiseCostsWhatItMust) {
     const TagPoseErrors errors = try_tag_pose({.side_px = 100, .tilt_deg = 45, .noise_px = 0.5, .frames = 200});
     ASSERT_TRUE(errors.ours);
