@@ -8,20 +8,20 @@
 #include "common/response.glsl"
 #include "effects/contact_shadow/contact_shadow.glsl"
 #include "effects/exposure/tone_curve.glsl"
+#include "composite/layer.glsl"
+#include "composite/shadow.glsl"
 
 uniform sampler2D plate_code;        // RGB code values of the region; without footage: the background's linear light
 
-uniform sampler2D layer;             // virtual layer: premultiplied radiance in probe units, alpha = coverage
-uniform vec4 layer_intrinsics;       // fx, fy, cx, cy of the layer's pinhole, in its pixels (centres at whole numbers)
-uniform ivec2 layer_size;            // the part of the texture that was drawn
-uniform int layer_present;
+#ifdef BLURRED_LAYER
+uniform sampler2D blurred_layer;     // as `layer`, in plate pixels
+uniform ivec4 blurred_layer_region;
+#endif
+#ifdef BLURRED_SHADOW
+uniform sampler2D blurred_shadow;    // share of the surface's light, in plate pixels; a = 1 where there is one
+uniform ivec4 blurred_shadow_region;
+#endif
 
-uniform float surface_z_m;
-uniform int shadow_present;
-uniform float least_visible_loss;    // a shadow that takes less than this share of the light is none
-
-uniform mat3 world_from_camera;
-uniform vec3 eye_world_m;
 uniform vec3 gain;                   // 2^exposure · white balance: plate light of unit probe light
 uniform float plate_gain;            // 1 unless the whole picture is exposed anew
 uniform vec2 vignette;               // gain = 1 + v.x r² + v.y r⁴
@@ -44,35 +44,6 @@ uniform sampler2D layer_depth_m;
 uniform usampler2D layer_object_id;
 #endif
 
-// A direction's place in the layer, counted from the corner of its first pixel.
-vec2 layer_position(vec2 normalized) { return normalized * layer_intrinsics.xy + layer_intrinsics.zw + 0.5; }
-
-// The layer's light over one plate pixel: the exact mean over its footprint, an upright box in the layer.
-vec4 layer_over_pixel(vec2 normalized, vec2 footprint) {
-    vec2 centre = layer_position(normalized);
-    vec2 low = centre - 0.5 * footprint;
-    vec2 high = centre + 0.5 * footprint;
-    ivec2 first = max(ivec2(floor(low)), ivec2(0));
-    ivec2 last = min(ivec2(ceil(high)), layer_size) - 1;
-    vec4 sum = vec4(0.0);
-    for (int y = first.y; y <= last.y; ++y) {
-        float height = min(high.y, float(y + 1)) - max(low.y, float(y));
-        for (int x = first.x; x <= last.x; ++x) {
-            float width = min(high.x, float(x + 1)) - max(low.x, float(x));
-            sum += width * height * texelFetch(layer, ivec2(x, y), 0);
-        }
-    }
-    return sum / (footprint.x * footprint.y);
-}
-
-vec3 shadow_over_pixel(vec2 normalized) {
-    vec3 direction = world_from_camera * vec3(normalized, 1.0);
-    float distance_m = (surface_z_m - eye_world_m.z) / direction.z;
-    // Behind the camera, or along the surface: no such point is seen.
-    if (!(distance_m > 0.0) || isinf(distance_m)) return vec3(1.0);
-    return contact_shadow(eye_world_m.xy + direction.xy * distance_m);
-}
-
 void main() {
     ivec2 in_region = ivec2(gl_FragCoord.xy);
     vec2 pixel = vec2(target_texel());
@@ -82,16 +53,17 @@ void main() {
     vec4 virtual_light = vec4(0.0);
     vec3 ratio = vec3(1.0);
     bool reached = !any(isnan(normalized));  // by the lens model
-    if (reached && layer_present != 0) {
-        // The lens bends: one plate pixel spans more of the layer in one place than in another.
-        vec2 next = normalized_from_pixel(pixel + 1.0);
-        vec2 footprint = abs(next - normalized) * layer_intrinsics.xy;
-        virtual_light = layer_over_pixel(normalized, any(isnan(footprint)) ? vec2(1.0) : clamp(footprint, 1.0, 16.0));
-    }
-    if (reached && shadow_present != 0) {
-        ratio = shadow_over_pixel(normalized);
-        if (all(greaterThan(ratio, vec3(1.0 - least_visible_loss)))) ratio = vec3(1.0);
-    }
+#ifdef BLURRED_LAYER
+    virtual_light = fetch_or_zero(blurred_layer, blurred_layer_region, ivec2(pixel));
+#else
+    if (reached && layer_present != 0) virtual_light = layer_over_pixel(normalized, layer_footprint(pixel, normalized));
+#endif
+#ifdef BLURRED_SHADOW
+    vec4 blurred_ratio = fetch_or_zero(blurred_shadow, blurred_shadow_region, ivec2(pixel));
+    if (blurred_ratio.a > 0.0) ratio = blurred_ratio.rgb;
+#else
+    if (reached && shadow_present != 0) ratio = visible_shadow(normalized);
+#endif
 
     vec2 from_centre = (pixel - vignette_frame.xy) * vignette_frame.z;
     float r2 = dot(from_centre, from_centre);

@@ -79,7 +79,9 @@ struct Compositor::Impl {
     void keep_to_budget(const FrameBudget& budget);
     /// Also extends `object_bounds` (normalised coordinates) by every object in view.
     Reach reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
-                   Eigen::AlignedBox2d& object_bounds);
+                   Eigen::AlignedBox2d& object_bounds, double spread_px = 0);
+    /// Also sets how the lens is focused.
+    LayerEffectPlan layer_effects_of(const SolvedFrame& frame, FrameOptics& optics);
 
     GlContext& context;
     Solve solve;
@@ -95,6 +97,7 @@ struct Compositor::Impl {
     std::optional<ShadowFootprint> footprint;  // made with the first frame, whose depth sets the limit
     LensMap lens_map;
     std::unique_ptr<CompositePass> composite_pass;
+    SurfaceAccumulator accumulator{shaders};
     CameraEffects effects;
     Response pq = Response::pq();
     Response hlg = Response::hlg();
@@ -229,8 +232,9 @@ SurfaceRenderer& Compositor::surfaces() {
 }
 
 Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
-                                 Eigen::AlignedBox2d& object_bounds) {
-    constexpr int margin_px = 2;  // footprints and antialiased edges
+                                 Eigen::AlignedBox2d& object_bounds, double spread_px) {
+    constexpr int edge_px = 2;  // footprints and antialiased edges
+    const int margin_px = edge_px + static_cast<int>(std::ceil(spread_px));
     std::vector<Region> regions;
     for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
         const Eigen::AlignedBox2d bounds =
@@ -245,6 +249,21 @@ Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const 
     return make_reach(
         regions, [this](const Eigen::AlignedBox2d& box_m) { return footprint->touches(box_m); }, shadow->surface_z_m,
         camera_from_world, lens_map, solve.camera);
+}
+
+LayerEffectPlan Compositor::Impl::layer_effects_of(const SolvedFrame& frame, FrameOptics& optics) {
+    LayerEffectPlan plan;
+    const std::optional<DepthOfFieldSettings>& defocus = effects.settings().depth_of_field;
+    if (!defocus || !frame.camera_from_world) return plan;
+    optics.focus = focus_of_frame(*defocus, solve, frame, {}, warnings);
+    CocRange range;
+    for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
+        const Eigen::AlignedBox3d box_m = surfaces.object_bounds_m(i);
+        if (normalized_bounds_of_box(box_m, *frame.camera_from_world, lens_map).isEmpty()) continue;
+        range.extend(coc_range_of_box(optics.focus, box_m, *frame.camera_from_world));
+    }
+    if (!range.is_sharp() || !options.leave_out) plan.defocus = {*defocus, range};
+    return plan;
 }
 
 std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool whole_frame) {
@@ -265,7 +284,11 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
     if (!plan.posed && !whole_frame) return std::nullopt;
     whole_frame = whole_frame || background || !options.leave_out;
     context.make_current();
-    if (plan.posed) plan.reach = reach_of(*solved.camera_from_world, format, plan.object_bounds);
+    plan.optics = optics_of(solved);
+    plan.layer_effects = layer_effects_of(solved, plan.optics);
+    if (plan.posed) {
+        plan.reach = reach_of(*solved.camera_from_world, format, plan.object_bounds, plan.layer_effects.spread_px());
+    }
     if (whole_frame)
         plan.reach = {.runs = {{0, 0, camera.width, camera.height}}, .bounds = {0, 0, camera.width, camera.height}};
     if (!options.leave_out && plan.posed && plan.object_bounds.isEmpty())
@@ -275,7 +298,6 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
         graph.leave_out("surface", "no object is in view, and none of its shadow");
         return std::nullopt;
     }
-    plan.optics = optics_of(solved);
     prepare_composite(format);
     return plan;
 }
@@ -287,6 +309,7 @@ FrameResources Compositor::Impl::resources() {
             .surfaces = surfaces,
             .light = *light,
             .composite = *composite_pass,
+            .accumulator = accumulator,
             .effects = effects,
             .camera = solve.camera,
             .quality = quality,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "render/effects/bokeh.h"
 #include "render/effects/exposure_meter.h"
 #include "render/effects/spill.h"
 
@@ -85,7 +86,7 @@ CompositeInput FramePasses::composite_input(const ImageF& plate_code, const Regi
 GraphTexture FramePasses::add_surface(bool layers) {
     RenderGraph& graph = resources_.graph;
     const std::vector<PassInput> light = resources_.light.add_passes(graph);
-    const Eigen::AlignedBox2d& bounds = plan_.object_bounds;
+    Eigen::AlignedBox2d bounds = plan_.object_bounds;
     if (bounds.isEmpty()) {
         graph.leave_out("surface", "no object is in view");
         return {};
@@ -95,6 +96,10 @@ GraphTexture FramePasses::add_surface(bool layers) {
     // What llvmpipe and GPUs alike hold as a target; wider views are drawn coarser.
     const double limit = std::min(8192, resources_.context.info().max_texture_size) - 2 * margin - 1;
     const Camera& camera = resources_.camera;
+    if (plan_.layer_effects.samples_lens()) {
+        const Eigen::Vector2d spread = plan_.layer_effects.spread_px() * Eigen::Vector2d(1 / camera.fx, 1 / camera.fy);
+        bounds = {bounds.min() - spread, bounds.max() + spread};
+    }
     const Eigen::Vector2d span = bounds.sizes();
     double density = resources_.quality.supersampling;
     density = std::min({density, limit / (span.x() * camera.fx), limit / (span.y() * camera.fy)});
@@ -105,7 +110,8 @@ GraphTexture FramePasses::add_surface(bool layers) {
     SurfaceView view;
     view.width = static_cast<int>(std::ceil(span.x() * layer_.fx)) + 2 * margin + 1;
     view.height = static_cast<int>(std::ceil(span.y() * layer_.fy)) + 2 * margin + 1;
-    view.samples = resources_.quality.samples;
+    // Lens effects read the depth of single pixels.
+    view.samples = plan_.layer_effects.any() && !plan_.layer_effects.samples_lens() ? 1 : resources_.quality.samples;
     const PinholeView pinhole{.fx = layer_.fx,
                               .fy = layer_.fy,
                               .cx = layer_.cx,
@@ -124,9 +130,8 @@ GraphTexture FramePasses::add_surface(bool layers) {
                     .reads = light,
                     .provides = {drawn},
                     .bytes = bytes_a_sample * view.width * view.height * view.samples,
-                    .draw = [this, view, layers](PassRun&) {
-                        const ClipLight& lit = resources_.light;
-                        layer_.picture = resources_.surfaces.draw(lit.environment(), view, lit.shading());
+                    .draw = [this, view, pinhole, layers](PassRun&) {
+                        layer_.picture = draw_surface(view, pinhole);
                         if (!layers) return;
                         const SurfacePicture geometry = resources_.surfaces.draw_layers(view);
                         layer_.picture.depth_m = geometry.depth_m;
@@ -134,6 +139,52 @@ GraphTexture FramePasses::add_surface(bool layers) {
                         layer_.picture.object_id = geometry.object_id;
                     }});
     return drawn;
+}
+
+SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeView& pinhole) {
+    const ClipLight& lit = resources_.light;
+    if (!plan_.layer_effects.samples_lens()) return resources_.surfaces.draw(lit.environment(), view, lit.shading());
+    const DepthOfFieldSettings& settings = plan_.layer_effects.defocus->settings;
+    const Focus& focus = plan_.optics.focus;
+    const std::vector<Eigen::Vector2d> points = lens_points(settings.bokeh, settings.lens_samples);
+    const double opening_radius_m = focus.coc_scale_px_m / resources_.camera.fx / 2;
+    SurfaceAccumulator& sum = resources_.accumulator;
+    sum.begin(view.width, view.height);
+    for (const Eigen::Vector2d& point : points) {
+        // The picture shows the opening as light from beyond the focus does: turned by 180°.
+        const Eigen::Vector2d on_lens_m = -opening_radius_m * point;
+        RigidTransform lens_from_camera = RigidTransform::Identity();
+        lens_from_camera.translation() = Eigen::Vector3d(-on_lens_m.x(), -on_lens_m.y(), 0);
+        const RigidTransform lens_from_world = lens_from_camera * plan_.optics.camera_from_world;
+        // Sheared, so that the plane of focus stays where it is.
+        PinholeView sheared = pinhole;
+        sheared.cx += pinhole.fx * on_lens_m.x() / focus.focus_distance_m;
+        sheared.cy += pinhole.fy * on_lens_m.y() / focus.focus_distance_m;
+        SurfaceView seen = view;
+        seen.clip_from_world = clip_from_camera(sheared) * lens_from_world.matrix();
+        seen.eye_world_m = lens_from_world.inverse().translation();
+        sum.add(resources_.surfaces.draw(lit.environment(), seen, lit.shading()),
+                1 / static_cast<double>(points.size()));
+    }
+    return sum.picture();
+}
+
+CompositeInput FramePasses::with_layer_effects(CompositeInput input) {
+    const LayerEffectPlan& effects = plan_.layer_effects;
+    if (!effects.any()) return input;
+    constexpr int margin_px = 2;
+    const int spread_px = static_cast<int>(std::ceil(effects.spread_px()));
+    const Region objects = plan_.object_bounds.isEmpty()
+                               ? Region{}
+                               : plate_region(plan_.object_bounds, resources_.camera, margin_px + spread_px);
+    input.blurred = add_layer_effects(resources_.graph,
+                                      {.shaders = resources_.shaders,
+                                       .composite = resources_.composite,
+                                       .input = input,
+                                       .objects = objects,
+                                       .quality = resources_.quality.depth_of_field},
+                                      effects);
+    return input;
 }
 
 GraphTexture FramePasses::add_background() {
@@ -186,6 +237,7 @@ ImageF FramePasses::meter_map(const PlateFrame& plate) {
     const ImageF code = decoded_plate(plate, region, plan_.reach.runs);
     CompositeInput input = composite_input(code, region, plan_.reach.runs);
     input.light = true;
+    input = with_layer_effects(input);
     const CompositePicture picture = resources_.composite.add(graph, input);
     const int block_px = meter_block_px(resources_.camera.width, resources_.camera.height);
     const GraphTexture map = add_exposure_meter(graph, resources_.shaders, picture.light.after, block_px);
@@ -202,6 +254,7 @@ void FramePasses::composite_code(CompositedFrame& result) {
     const ImageF code = decoded_plate(result.plate, region, runs);
     CompositeInput input = composite_input(code, region, runs);
     input.least_visible_loss = half_code(result.plate.format());
+    input = with_layer_effects(input);
     const CompositePicture picture = resources_.composite.add(graph, input);
     graph.output(picture.code);
     graph.run(resources_.timed);
@@ -226,6 +279,7 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
     input.least_visible_loss = half_code(result.plate.format());
     input.light = true;
     input.layers = layers;
+    input = with_layer_effects(input);
     const CompositePicture picture = resources_.composite.add(graph, input);
     FrameLight light = picture.light;
     if (background_) light.before = {};  // no part of this light has spilled yet

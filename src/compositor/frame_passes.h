@@ -8,12 +8,14 @@
 #include "compositor/camera_effects.h"
 #include "compositor/clip_light.h"
 #include "compositor/compositor.h"
+#include "compositor/layer_effects.h"
 #include "compositor/quality.h"
 #include "compositor/reach.h"
 #include "render/background.h"
 #include "render/composite_pass.h"
 #include "render/graph.h"
 #include "render/surface.h"
+#include "render/surface_accumulator.h"
 
 namespace matchlight {
 
@@ -22,6 +24,7 @@ struct FramePlan {
     FrameOptics optics;
     Eigen::AlignedBox2d object_bounds;  // of all objects in view, normalised coordinates
     Reach reach;
+    LayerEffectPlan layer_effects;
     bool posed = true;  // false: nothing virtual can be placed, and only the plate's own exposure may change
 };
 
@@ -33,6 +36,7 @@ struct FrameResources {
     SurfaceRenderer& surfaces;
     ClipLight& light;
     CompositePass& composite;
+    SurfaceAccumulator& accumulator;
     CameraEffects& effects;
     const Camera& camera;
     const Quality& quality;
@@ -53,6 +57,10 @@ private:
     /// Begins the frame in the graph, with the passes that draw objects and background.
     void begin(bool layers);
     GraphTexture add_surface(bool layers);
+    /// From every point of the lens that the layer is drawn from: once, unless defocus is drawn that way.
+    SurfacePicture draw_surface(const SurfaceView& view, const PinholeView& pinhole);
+    /// Adds what lens and shutter do to the layer to the composite's input.
+    CompositeInput with_layer_effects(CompositeInput input);
     /// Decoded in the runs alone; empty without footage.
     ImageF decoded_plate(const PlateFrame& plate, const Region& region, const std::vector<Region>& runs) const;
     /// Reads code values back as the result's picture.

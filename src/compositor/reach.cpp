@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/virtual_layer.h"
+
 namespace matchlight {
 
 Eigen::AlignedBox2d normalized_bounds(const std::vector<Eigen::Vector3d>& corners_world_m,

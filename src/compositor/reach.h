@@ -15,9 +15,6 @@
 
 namespace matchlight {
 
-/// Points nearer than this are cut off; nothing filmed stands closer to the lens.
-inline constexpr double near_plane_m = 0.01;
-
 /// Bounds of a convex body in normalised camera coordinates (x/z, y/z), cut at the near plane and at the lens map's
 /// bounds; empty where no part of it is before the camera or in view. `edges` index into `corners_world_m`.
 Eigen::AlignedBox2d normalized_bounds(const std::vector<Eigen::Vector3d>& corners_world_m,

@@ -122,19 +122,17 @@ void CompositePass::set_layer(Program& program, const CompositeInput& input) con
     const auto bind_or = [&](const char* sampler, GLuint unit, const Texture2D* texture, const Texture2D& otherwise) {
         program.bind_texture(sampler, unit, texture != nullptr ? *texture : otherwise);
     };
+    program.bind_texture("lens_nodes", 1, lens_nodes_);
+    program.set("lens_spacing", static_cast<float>(lens_spacing_));
     bind_or("layer", 3, picture.color, empty_);
+    bind_or("layer_depth_share", 9, picture.depth_share, empty_);
     if (!input.layers) return;
     bind_or("layer_normal", 6, picture.normal, empty_);
     bind_or("layer_depth_m", 7, picture.depth_m, empty_);
     bind_or("layer_object_id", 8, picture.object_id, empty_id_);
 }
 
-void CompositePass::set_input(Program& program, const CompositeInput& input) const {
-    program.bind_texture("lens_nodes", 1, lens_nodes_);
-    program.set("lens_spacing", static_cast<float>(lens_spacing_));
-    program.bind_texture("response_linear", 2, response_);
-    set_layer(program, input);
-
+void CompositePass::set_shadow(Program& program, const CompositeInput& input) const {
     program.set("shadow_present", input.shadow != nullptr);
     if (input.shadow != nullptr) {
         input.shadow->bind(program, 4);
@@ -143,29 +141,68 @@ void CompositePass::set_input(Program& program, const CompositeInput& input) con
         program.bind_texture("shadow_fine", 4, empty_);
         program.bind_texture("shadow_far", 5, empty_);
     }
-
-    const FrameOptics& optics = input.optics;
-    const RigidTransform world_from_camera = optics.camera_from_world.inverse();
+    const RigidTransform world_from_camera = input.optics.camera_from_world.inverse();
     program.set("world_from_camera", Eigen::Matrix3f(world_from_camera.linear().cast<float>()));
     program.set("eye_world_m", Eigen::Vector3f(world_from_camera.translation().cast<float>()));
+    program.set("least_visible_loss", input.least_visible_loss);
+}
+
+void CompositePass::set_input(Program& program, const CompositeInput& input) const {
+    program.bind_texture("response_linear", 2, response_);
+    set_layer(program, input);
+    set_shadow(program, input);
+
+    const FrameOptics& optics = input.optics;
     program.set("gain", Eigen::Vector3f(optics.gain.cast<float>()));
     program.set("vignette", Eigen::Vector2f(Eigen::Vector2d(optics.vignette[0], optics.vignette[1]).cast<float>()));
     const Eigen::Vector2d centre((optics.frame_width - 1) / 2.0, (optics.frame_height - 1) / 2.0);
     const double corner_px = std::hypot(optics.frame_width, optics.frame_height) / 2;
     program.set("vignette_frame",
                 Eigen::Vector3f(Eigen::Vector3d(centre.x(), centre.y(), 1 / corner_px).cast<float>()));
-    program.set("least_visible_loss", input.least_visible_loss);
     program.set("plate_gain", optics.plate_gain);
     program.set("white_light", optics.white_light);
+}
+
+ResolvedLayer CompositePass::add_resolved_layer(RenderGraph& graph, const CompositeInput& input, const Region& region) {
+    const std::vector<GraphTexture> written = graph.add_pass({.name = "resolve",
+                                                              .reads = {{input.layer_drawn}},
+                                                              .writes = {GL_RGBA32F, GL_R32F},
+                                                              .region = region,
+                                                              .draw = [this, input](PassRun& run) {
+                                                                  Program& program =
+                                                                      shaders_.full_screen("composite/resolve.frag");
+                                                                  program.use();
+                                                                  set_layer(program, input);
+                                                                  program.set("near_m", near_plane_m);
+                                                                  run.draw(program);
+                                                              }});
+    return {written[0], written[1]};
+}
+
+GraphTexture CompositePass::add_shadow_ratio(RenderGraph& graph, const CompositeInput& input, const Region& region) {
+    return graph.add_pass(
+        {.name = "shadow", .writes = {GL_RGBA32F}, .region = region, .draw = [this, input](PassRun& run) {
+             Program& program = shaders_.full_screen("composite/shadow_ratio.frag");
+             program.use();
+             program.bind_texture("lens_nodes", 1, lens_nodes_);
+             program.set("lens_spacing", static_cast<float>(lens_spacing_));
+             set_shadow(program, input);
+             run.draw(program);
+         }})[0];
 }
 
 CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& input) {
     const GraphTexture plate = input.background
                                    ? input.background
                                    : add_upload(graph, "plate/upload", *input.plate_code, input.region, input.runs);
-    GraphPass pass{
-        .name = "composite", .reads = {{plate}, {input.layer_drawn}}, .writes = {GL_RGBA32F}, .region = input.region};
+    const PlateLayer& blurred = input.blurred;
+    GraphPass pass{.name = "composite",
+                   .reads = {{plate}, {input.layer_drawn}, {blurred.light}, {blurred.shadow}},
+                   .writes = {GL_RGBA32F},
+                   .region = input.region};
     ShaderDefines defines;
+    if (blurred.light) defines["BLURRED_LAYER"] = "1";
+    if (blurred.shadow) defines["BLURRED_SHADOW"] = "1";
     if (input.background) defines["NO_FOOTAGE"] = "1";
     if (input.light) {
         pass.writes.push_back(GL_RGBA32F);
@@ -184,6 +221,8 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
         program.use();
         run.bind(program, "plate_code", 0, plate);
         set_input(program, input);
+        run.bind(program, "blurred_layer", 10, input.blurred.light);
+        run.bind(program, "blurred_shadow", 11, input.blurred.shadow);
         draw_runs(run, program, input.region, input.runs);
     };
     const std::vector<GraphTexture> written = graph.add_pass(std::move(pass));

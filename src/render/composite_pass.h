@@ -7,21 +7,16 @@
 
 #include <Eigen/Core>
 
+#include "calibration/thin_lens.h"
 #include "core/image.h"
 #include "core/transforms.h"
 #include "gl/shader_library.h"
 #include "render/effects/contact_shadow.h"
 #include "render/frame_light.h"
 #include "render/graph.h"
-#include "render/surface.h"
+#include "render/virtual_layer.h"
 
 namespace matchlight {
-
-/// The virtual layer as drawn: a pinhole picture without distortion, finer than the plate.
-struct VirtualLayer {
-    SurfacePicture picture;                 // colour null where nothing is in view
-    double fx = 0, fy = 0, cx = 0, cy = 0;  // of its own pixels, centres at whole numbers
-};
 
 /// How the camera saw in this frame.
 struct FrameOptics {
@@ -29,6 +24,7 @@ struct FrameOptics {
     Eigen::Vector3d gain = Eigen::Vector3d::Ones();  // plate light of unit probe light: 2^ev · white balance
     std::array<double, 2> vignette{};                // gain = 1 + v0 r² + v1 r⁴, r = 1 at the corner
     int frame_width = 0, frame_height = 0;
+    Focus focus;  // scale 0: all is sharp
     // Of simulated exposure control (render/effects/exposure.h).
     double plate_gain = 1;   // of the plate's own light: exposed anew
     double white_light = 0;  // plate-linear light shown as white; 0: no tone curve, and only what is touched changes
@@ -40,6 +36,7 @@ struct CompositeInput {
     std::vector<Region> runs;               // the parts of it to draw, in plate pixels
     const VirtualLayer* layer = nullptr;    // read by run(), after `layer_drawn`; null: nothing in view
     GraphTexture layer_drawn;               // what the layer's pass provides
+    PlateLayer blurred;                     // what lens and shutter made of layer and shadow
     GraphTexture background;                // plate-linear RGB over the whole frame in place of a plate
     const ContactShadow* shadow = nullptr;  // null: no shadow, which is a ratio of 1
     FrameOptics optics;
@@ -57,6 +54,12 @@ struct CompositePicture {
     GraphTexture virtual_rgba;  // premultiplied plate-linear light and alpha
     GraphTexture geometry;      // world normal and depth in metres
     GraphTexture object_id;     // 0 = nothing
+};
+
+/// The layer and the shadow on plate pixels, as lens effects take them.
+struct ResolvedLayer {
+    GraphTexture light;          // RGBA32F: premultiplied radiance in probe units, coverage
+    GraphTexture inverse_depth;  // R32F: 1/m of what is nearest in the pixel, 0 where nothing is
 };
 
 /// What the response pass adds to a part of the frame.
@@ -85,6 +88,12 @@ public:
     CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response);
 
     CompositePicture add(RenderGraph& graph, const CompositeInput& input);
+    /// Over `region`; of the input the layer alone counts. The same light, bit for bit, that add() composites.
+    ResolvedLayer add_resolved_layer(RenderGraph& graph, const CompositeInput& input, const Region& region);
+    /// RGB ratio of the shadow over `region`, 1 where none is visible: what add() composites, bit for bit.
+    GraphTexture add_shadow_ratio(RenderGraph& graph, const CompositeInput& input, const Region& region);
+    /// Sets the uniforms of common/lens_map.glsl and composite/layer.glsl; takes texture units 1, 3 and 9.
+    void set_layer(Program& program, const CompositeInput& input) const;
     /// From light to code values, with the spilled light.
     ResponsePicture add_response(RenderGraph& graph, const ResponseInput& input);
 
@@ -95,7 +104,7 @@ private:
     GraphTexture add_upload(RenderGraph& graph, const char* name, const ImageF& code, const Region& region,
                             const std::vector<Region>& runs);
     void set_input(Program& program, const CompositeInput& input) const;
-    void set_layer(Program& program, const CompositeInput& input) const;
+    void set_shadow(Program& program, const CompositeInput& input) const;
 
     ShaderLibrary& shaders_;
     Texture2D lens_nodes_;

@@ -289,7 +289,10 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     glDisable(GL_SCISSOR_TEST);
     draw_meshes(program, view, false);
     if (samples > 1) target.resolve_color_to(targets_->resolved, region);
-    return {.width = view.width, .height = view.height, .color = &targets_->color};
+    return {.width = view.width,
+            .height = view.height,
+            .color = &targets_->color,
+            .depth_share = samples > 1 ? nullptr : &targets_->depth};
 }
 
 SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {

@@ -29,7 +29,9 @@ struct SurfaceView {
 /// their top-left width × height. Layers are null unless drawn.
 struct SurfacePicture {
     int width = 0, height = 0;
-    const Texture2D* color = nullptr;      // premultiplied radiance in probe units, coverage in alpha; RGBA16F
+    const Texture2D* color = nullptr;  // premultiplied radiance in probe units, coverage in alpha; RGBA16F
+    /// near_m / z, 0 where nothing opaque is: the depth buffer; null where the picture is multisampled.
+    const Texture2D* depth_share = nullptr;
     const Texture2D* depth_m = nullptr;    // along the camera's z, 0 where nothing is; R32F
     const Texture2D* normal = nullptr;     // world, unit length, w = 1; zero where nothing is; RGBA16F
     const Texture2D* object_id = nullptr;  // 0 where nothing is; R32UI

@@ -90,6 +90,9 @@ const std::vector<SceneSection>& effect_sections() {
              s.effects.exposure.emplace();
              if (s.camera) s.effects.exposure->mode = ExposureMode::simulated;
          }},
+        {"effects.depth_of_field", SectionUse::nested, "What is out of focus blurs.",
+         [](Scene& s) { s.effects.depth_of_field.emplace(); }},
+        {"effects.depth_of_field.bokeh", SectionUse::nested, "The shape of out-of-focus discs.", nullptr},
     };
     return sections;
 }
@@ -139,7 +142,8 @@ std::vector<Setting> all_effect_settings() {
          nullptr},
         {"effects", "exposure", of_kind(effect), "", "\"off\"",
          "auto: footage keeps its own (as with off), other scenes are metered frame by frame", nullptr},
-        {"effects", "depth_of_field", of_kind(left_out), "", "\"off\"", "off", nullptr},
+        {"effects", "depth_of_field", of_kind(effect), "", "\"off\"",
+         "objects blur as the solve, or the scene's camera, says that the lens does", nullptr},
         {"effects", "motion_blur", of_kind(left_out), "", "\"off\"", "off", nullptr},
         {"effects", "grain", of_kind(left_out), "", "\"off\"", "off", nullptr},
         {"effects", "vignette", of_kind(left_out), "", "\"off\"", "off", nullptr},
@@ -167,6 +171,7 @@ std::vector<Setting> all_effect_settings() {
          "a glare of their own; as other light unless given", nullptr},
     };
     add_exposure_settings(settings);
+    add_depth_of_field_settings(settings);
     add_glare_settings<glare_of_all>(settings, "effects.glare", "effects.glare.aperture");
     add_glare_settings<glare_of_dazzle>(settings, "effects.dazzle.glare", "effects.dazzle.glare.aperture");
     return settings;

@@ -11,4 +11,7 @@ namespace matchlight {
 const std::vector<SceneSection>& effect_sections();
 const std::vector<Setting>& effect_settings();
 
+// Rows that have a file of their own.
+void add_depth_of_field_settings(std::vector<Setting>& rows);
+
 }  // namespace matchlight

@@ -64,4 +64,15 @@ void ExposureSettings::check() const {
     check_range("exposure compensation_ev", compensation_ev, -32, 32);
 }
 
+void BokehSettings::check() const {
+    ApertureSettings{.blades = blades, .rotation_deg = rotation_deg, .roundness = roundness}.check();
+}
+
+void DepthOfFieldSettings::check() const {
+    if (focus_distance_m) check_range("depth_of_field focus_distance_m", *focus_distance_m, 1e-3, 1e9);
+    if (coc_scale_px_m) check_range("depth_of_field coc_scale_px_m", *coc_scale_px_m, 0, 1e9);
+    check_range("depth_of_field lens_samples", lens_samples, 1, 65536);
+    bokeh.check();
+}
+
 }  // namespace matchlight

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace matchlight {
 
@@ -105,11 +106,45 @@ struct FrameExposure {
     double white = 1;
 };
 
+/// How what is out of focus is blurred. `lens_samples` draws the scene from many points of the lens; the others work on
+/// one picture of it.
+enum class DepthOfFieldLevel { gather, two_pass, one_pass, layers, mipmap, diffusion, lens_samples };
+
+/// What the lens is focused on, where neither the solve nor a distance says.
+enum class FocusTarget { distance, middle, point, object };
+
+/// The lens' opening as out-of-focus discs show it.
+struct BokehSettings {
+    int blades = 0;  // 0: round
+    double rotation_deg = 0;
+    double roundness = 0;  // 0: straight blades; 1: a circle
+
+    void check() const;
+};
+
+/// A thin lens: what is not at the focus distance becomes a disc of the circle of confusion.
+struct DepthOfFieldSettings {
+    DepthOfFieldLevel level = DepthOfFieldLevel::gather;
+    // Instead of what the solve, or the scene's camera, says.
+    std::optional<double> focus_distance_m = {};
+    std::optional<double> coc_scale_px_m = {};  // circle in px = scale · |1/focus − 1/z|
+    FocusTarget focus_on = FocusTarget::distance;
+    std::array<double, 3> focus_point_m = {};  // world
+    std::string focus_object = {};             // its name
+    int lens_samples = 64;                     // of that level
+    BokehSettings bokeh = {};
+
+    void check() const;
+};
+/// Circles of confusion narrower than this, in plate pixels, are none.
+inline constexpr double least_coc_px = 0.25;
+
 struct EffectSettings {
     std::optional<BloomSettings> bloom;
     std::optional<GlareSettings> glare;
     std::optional<DazzleSettings> dazzle;
     std::optional<ExposureSettings> exposure;
+    std::optional<DepthOfFieldSettings> depth_of_field;
 };
 
 }  // namespace matchlight

@@ -1,0 +1,43 @@
+// What lens and shutter do to the virtual layer before it meets the plate, as the scene asks for it.
+#pragma once
+
+#include <optional>
+
+#include "compositor/focus.h"
+#include "gl/shader_library.h"
+#include "render/composite_pass.h"
+#include "render/graph.h"
+#include "render/virtual_layer.h"
+#include "scene/effects.h"
+
+namespace matchlight {
+
+/// What is out of focus in a frame.
+struct FrameDefocus {
+    DepthOfFieldSettings settings;
+    CocRange objects;  // over all objects in view
+};
+
+/// What a frame's layer goes through; nothing where all is sharp and still.
+struct LayerEffectPlan {
+    std::optional<FrameDefocus> defocus;
+
+    bool any() const { return defocus.has_value(); }
+    /// How far, in plate pixels, the layer's light leaves the place it was drawn at.
+    double spread_px() const;
+    /// Whether the layer is drawn from many points of the lens instead of being blurred afterwards.
+    bool samples_lens() const;
+};
+
+struct LayerEffectInput {
+    ShaderLibrary& shaders;
+    CompositePass& composite;
+    const CompositeInput& input;  // with the layer as drawn
+    Region objects;               // plate pixels that the blurred layer can reach
+    QualityLevel quality = QualityLevel::final_;
+};
+
+/// Adds the passes that `plan` asks for.
+PlateLayer add_layer_effects(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan);
+
+}  // namespace matchlight

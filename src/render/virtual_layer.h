@@ -1,0 +1,26 @@
+// The virtual objects as drawn, and as they lie on the plate's pixels: where lens and sensor act on them before they
+// meet the plate.
+#pragma once
+
+#include "render/graph.h"
+#include "render/surface.h"
+
+namespace matchlight {
+
+/// Points nearer than this are cut off; nothing filmed stands closer to the lens.
+inline constexpr double near_plane_m = 0.01;
+
+/// The virtual layer as drawn: a pinhole picture without distortion, finer than the plate.
+struct VirtualLayer {
+    SurfacePicture picture;                 // colour null where nothing is in view
+    double fx = 0, fy = 0, cx = 0, cy = 0;  // of its own pixels, centres at whole numbers
+};
+
+/// The same in plate pixels, after what lens and shutter do to it. Where a texture is empty the composite works it out
+/// by itself, without any blur.
+struct PlateLayer {
+    GraphTexture light;   // premultiplied radiance in probe units, a = coverage
+    GraphTexture shadow;  // RGB share of the real surface's light that is left
+};
+
+}  // namespace matchlight
