@@ -1,0 +1,124 @@
+// Depth of field against the thin lens in double precision: discs, edges, and what a blurred object hides.
+#include "render/effects/depth_of_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "gl_fixture.h"
+#include "report/lens_cards.h"
+
+namespace matchlight {
+namespace {
+
+/// Four layer pixels along a plate pixel's side: their edges lie an eighth beside those of plate pixels.
+Quality fine_quality() {
+    Quality quality = quality_of(QualityLevel::draft);
+    quality.supersampling = 4;
+    return quality;
+}
+
+DepthOfFieldSettings lens_samples(int count) {
+    DepthOfFieldSettings settings;
+    settings.level = DepthOfFieldLevel::lens_samples;
+    settings.lens_samples = count;
+    return settings;
+}
+
+double sum_of(const ImageF& picture, int channel) {
+    double sum = 0;
+    for (int y = 0; y < picture.height(); ++y) {
+        for (int x = 0; x < picture.width(); ++x) sum += picture.at(x, y, channel);
+    }
+    return sum;
+}
+
+/// Largest difference of any channel from the reference.
+double largest_error(const ImageF& picture, const ImageD& reference) {
+    double largest = 0;
+    for (std::size_t i = 0; i < picture.samples().size(); ++i)
+        largest = std::max(largest, std::abs(picture.samples()[i] - reference.samples()[i]));
+    return largest;
+}
+
+LensCard card(const std::array<double, 4>& left_top_right_bottom, double depth_m, const Eigen::Vector3d& color) {
+    const auto& [left, top, right, bottom] = left_top_right_bottom;
+    return {.left_px = left,
+            .top_px = top,
+            .right_px = right,
+            .bottom_px = bottom,
+            .depth_m = depth_m,
+            .light = {color[0], color[1], color[2], 1}};
+}
+
+class DepthOfFieldTest : public GlTest {
+protected:
+    static ImageF drawn(const ThinLensView& view, const DepthOfFieldSettings& settings) {
+        return composited_cards(context(), lens_card_shot(view, settings), fine_quality());
+    }
+};
+
+TEST_F(DepthOfFieldTest, LensSamplesMakeDiscsOfTheCircleOfConfusion) {
+    const Focus focus{.coc_scale_px_m = 20, .focus_distance_m = 1};
+    for (const double depth_m : {0.5, 2.5}) {
+        const ThinLensView view{.width = 65,
+                                .height = 65,
+                                .focus = focus,
+                                .bokeh = {},
+                                .cards = {card({31.625, 31.625, 32.625, 32.625}, depth_m, {1000, 1000, 1000})}};
+        const ImageF picture = drawn(view, lens_samples(256));
+        const double light = sum_of(picture, 0);
+        double x_px = 0, y_px = 0, variance = 0;
+        for (int y = 0; y < 65; ++y) {
+            for (int x = 0; x < 65; ++x) {
+                const double share = picture.at(x, y, 0) / light;
+                x_px += (x - 32.125) * share;
+                y_px += (y - 32.125) * share;
+                variance += ((x - 32.125) * (x - 32.125) + (y - 32.125) * (y - 32.125)) * share;
+            }
+        }
+        // The light of the highlight's one pixel; each layer pixel is in the picture or not, a sixteenth of it.
+        EXPECT_NEAR(light, 1000, 10) << depth_m;
+        EXPECT_NEAR(x_px, 0, 0.05) << depth_m;
+        EXPECT_NEAR(y_px, 0, 0.05) << depth_m;
+        // An even disc's own variance is a sixteenth of its diameter squared on each axis; beside it the highlight's
+        // square and the plate pixel's.
+        const double squares = 2 * (1.0 / 12 + 1.0 / 12);
+        const double diameter_px = std::sqrt(8 * (variance - squares));
+        EXPECT_NEAR(diameter_px / std::abs(signed_coc_px(focus, depth_m)), 1, 0.01) << depth_m;
+    }
+}
+
+TEST_F(DepthOfFieldTest, LensSamplesBlurAnEdgeAsTheLensDoes) {
+    // From before the focus, and from beyond it.
+    for (const double depth_m : {0.5, 2.0}) {
+        ThinLensView view{.width = 33,
+                          .height = 33,
+                          .focus = {.coc_scale_px_m = 10, .focus_distance_m = 1},
+                          .bokeh = {},
+                          .cards = {card({-40.375, -40.375, 16.625, 72.625}, depth_m, {1, 0.5, 0.25})}};
+        // Points along the edge move the picture by steps: 1/√N is a wide bound of what a column of them leaves.
+        constexpr int samples = 256;
+        EXPECT_LT(largest_error(drawn(view, lens_samples(samples)), thin_lens_light(view)), 0.6 / std::sqrt(samples))
+            << depth_m;
+    }
+}
+
+TEST_F(DepthOfFieldTest, LensSamplesSeeBehindWhatIsBlurred) {
+    for (const BokehSettings& bokeh : {BokehSettings{}, BokehSettings{.blades = 5, .rotation_deg = 20}}) {
+        // A red card before the focus, over a green one in focus that it hides in part, over a blue one far behind.
+        const ThinLensView view{.width = 33,
+                                .height = 33,
+                                .focus = {.coc_scale_px_m = 10, .focus_distance_m = 1},
+                                .bokeh = bokeh,
+                                .cards = {card({3.625, 3.625, 18.625, 29.625}, 0.5, {1, 0, 0}),
+                                          card({12.625, 7.625, 27.625, 24.625}, 1, {0, 1, 0}),
+                                          card({-40.375, -40.375, 21.625, 72.625}, 4, {0, 0, 1})}};
+        constexpr int samples = 256;
+        EXPECT_LT(largest_error(drawn(view, lens_samples(samples)), thin_lens_light(view)), 0.6 / std::sqrt(samples));
+    }
+}
+
+}  // namespace
+}  // namespace matchlight
