@@ -3,7 +3,32 @@
 
 #include <cmath>
 
+#include "render/effects/defocus_one_pass.h"
+#include "render/effects/defocus_two_pass.h"
+
 namespace matchlight {
+
+namespace {
+
+/// By the methods that work on one picture of the layer.
+GraphTexture add_defocus(RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input, DepthOfFieldLevel level,
+                         QualityLevel quality) {
+    switch (level) {
+        case DepthOfFieldLevel::two_pass:
+            return add_two_pass_defocus(graph, shaders, input, two_pass_knobs(quality));
+        case DepthOfFieldLevel::one_pass:
+            return add_one_pass_defocus(graph, shaders, input, one_pass_knobs(quality));
+        case DepthOfFieldLevel::layers:
+        case DepthOfFieldLevel::mipmap:
+        case DepthOfFieldLevel::diffusion:
+        case DepthOfFieldLevel::gather:
+        case DepthOfFieldLevel::lens_samples:
+            break;
+    }
+    return input.light;
+}
+
+}  // namespace
 
 double LayerEffectPlan::spread_px() const {
     return defocus ? defocus->objects.widest_px() / 2 : 0;
@@ -18,7 +43,13 @@ PlateLayer add_layer_effects(RenderGraph& graph, const LayerEffectInput& input, 
     if (!plan.any()) return layer;
     if (plan.defocus && !plan.samples_lens() && input.input.layer_drawn) {
         const ResolvedLayer resolved = input.composite.add_resolved_layer(graph, input.input, input.objects);
-        layer.light = resolved.light;
+        layer.light = add_defocus(graph, input.shaders,
+                                  {.light = resolved.light,
+                                   .inverse_depth = resolved.inverse_depth,
+                                   .focus = input.input.optics.focus,
+                                   .range = plan.defocus->objects,
+                                   .bokeh = plan.defocus->settings.bokeh},
+                                  plan.defocus->settings.level, input.quality);
     }
     return layer;
 }

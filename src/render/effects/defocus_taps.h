@@ -1,0 +1,34 @@
+// Where the methods of depth of field take their samples from; their references share it: no GL.
+#pragma once
+
+#include <vector>
+
+#include "scene/effects.h"
+
+namespace matchlight {
+
+/// A sample at whole pixels from the one that is drawn.
+struct DefocusTap {
+    int x = 0, y = 0;
+    float away_px = 0;
+    float area_px2 = 1;  // that it stands for
+};
+
+/// What trades error for time where samples lie on rings.
+struct OnePassKnobs {
+    int rings = 12;
+    int ring_samples = 24;
+    int largest_radius_px = 64;  // wider circles are drawn as this
+
+    /// Throws std::invalid_argument naming what is out of range.
+    void check() const;
+};
+
+/// Every pixel within the radius and its soft rim.
+std::vector<DefocusTap> disc_taps(double radius_px);
+
+/// The pixel itself and rings around it, closer to each other near the middle, where small circles want them; samples
+/// that fall on one pixel count as one. The pixel areas add up to the disc's.
+std::vector<DefocusTap> ring_taps(double radius_px, const OnePassKnobs& knobs);
+
+}  // namespace matchlight

@@ -1,0 +1,138 @@
+// What all post-process methods of depth of field hold to, and each against its double-precision reference.
+#include <cmath>
+
+#include "defocus_frame.h"
+#include "gl_fixture.h"
+#include "render/effects/defocus_one_pass.h"
+#include "render/effects/defocus_two_pass.h"
+
+namespace matchlight::test {
+namespace {
+
+struct Method {
+    const char* name;
+    std::function<GraphTexture(RenderGraph&, ShaderLibrary&, const DefocusInput&, QualityLevel)> add;
+};
+
+const std::vector<Method> methods{
+    {"two_pass",
+     [](RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input, QualityLevel quality) {
+         return add_two_pass_defocus(graph, shaders, input, two_pass_knobs(quality));
+     }},
+    {"one_pass",
+     [](RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input, QualityLevel quality) {
+         return add_one_pass_defocus(graph, shaders, input, one_pass_knobs(quality));
+     }},
+};
+
+class DefocusMethodsTest : public GlTest {
+protected:
+    ImageF run(const Method& method, const DefocusImages& images, QualityLevel quality = QualityLevel::final_,
+               Region region = {}) {
+        return run_defocus(
+            shaders_, images,
+            [&](RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input) {
+                return method.add(graph, shaders, input, quality);
+            },
+            region);
+    }
+
+    ShaderLibrary shaders_;
+};
+
+TEST_F(DefocusMethodsTest, WhatIsInFocusKeepsItsBits) {
+    DefocusImages images = slope_and_square(90, 70, 0.24);
+    ImageF expected(90, 70, 4);
+    std::copy(images.light.samples().begin(), images.light.samples().end(), expected.samples().begin());
+    for (const Method& method : methods) {
+        const ImageF result = run(method, images);
+        EXPECT_TRUE(std::equal(result.samples().begin(), result.samples().end(), expected.samples().begin()))
+            << method.name;
+    }
+}
+
+TEST_F(DefocusMethodsTest, NothingStaysNothing) {
+    for (const Method& method : methods) {
+        const ImageF result = run(method, DefocusImages(40, 30));
+        for (const float value : result.samples()) EXPECT_EQ(value, 0) << method.name;
+    }
+}
+
+TEST_F(DefocusMethodsTest, AFlatSurfaceStaysFlatWhereItIsWhole) {
+    DefocusImages images(120, 100);
+    for (int y = 0; y < 100; ++y) {
+        for (int x = 0; x < 120; ++x) images.set(x, y, 0.7, x < 60 ? -13 : 9);
+    }
+    for (const Method& method : methods) {
+        const ImageF result = run(method, images);
+        for (const float value : result.samples()) {
+            EXPECT_NEAR(value, value > 0.85F ? 1 : 0.7, 1e-5) << method.name;
+        }
+    }
+}
+
+TEST_F(DefocusMethodsTest, AHighlightKeepsItsEnergy) {
+    for (const double coc_px : {3.0, 12.4, -31.0}) {
+        DefocusImages images(150, 140);
+        images.set(71, 66, 1e5, coc_px);
+        for (const Method& method : methods) {
+            const ImageF result = run(method, images, QualityLevel::reference);
+            EXPECT_NEAR(sum_of(result, 0) / 1e5, 1, 1e-4) << method.name << ", circle " << coc_px;
+            EXPECT_NEAR(sum_of(result, 3), 1, 1e-4) << method.name << ", circle " << coc_px;
+        }
+    }
+}
+
+TEST_F(DefocusMethodsTest, ExtremesStayFiniteAndWithinWhatCameIn) {
+    for (const double coc_px : {0.0, 1.0, 700.0, -700.0, 1e6}) {
+        DefocusImages images(96, 80);
+        for (int y = 20; y < 60; ++y) {
+            for (int x = 30; x < 70; ++x) images.set(x, y, 0.3, coc_px);
+        }
+        images.set(48, 40, 1e5, coc_px);
+        for (const Method& method : methods) {
+            const ImageF result = run(method, images);
+            for (int y = 0; y < 80; ++y) {
+                for (int x = 0; x < 96; ++x) {
+                    ASSERT_TRUE(result.at(x, y, 0) >= 0 && result.at(x, y, 0) <= 1.001e5F) << method.name << coc_px;
+                    ASSERT_TRUE(result.at(x, y, 3) >= 0 && result.at(x, y, 3) <= 1 + 1e-5F) << method.name << coc_px;
+                }
+            }
+        }
+    }
+}
+
+TEST_F(DefocusMethodsTest, AShareOfTheFrameIsEnough) {
+    DefocusImages images(160, 120);
+    for (int y = 50; y < 70; ++y) {
+        for (int x = 60; x < 90; ++x) images.set(x, y, (x + y) % 3, 10);
+    }
+    for (const Method& method : methods) {
+        const ImageF whole = run(method, images), part = run(method, images, QualityLevel::final_, {40, 30, 80, 60});
+        for (int y = 44; y < 76; ++y) {
+            for (int x = 54; x < 96; ++x) {
+                ASSERT_NEAR(part.at(x, y), whole.at(x, y), 1e-5) << method.name << " " << x << ", " << y;
+            }
+        }
+    }
+}
+
+TEST_F(DefocusMethodsTest, TwoPassAgreesWithItsReference) {
+    for (const double widest_px : {6.0, 24.0}) {
+        const DefocusImages images = slope_and_square(120, 80, widest_px);
+        const ImageD expected = reference_two_pass(images, 64);
+        EXPECT_LT(worst_difference(run(methods[0], images), expected), 2e-4) << widest_px;
+    }
+}
+
+TEST_F(DefocusMethodsTest, OnePassAgreesWithItsReference) {
+    for (const double widest_px : {6.0, 24.0}) {
+        const DefocusImages images = slope_and_square(120, 80, widest_px);
+        const OnePassKnobs knobs = one_pass_knobs(QualityLevel::final_);
+        const ImageD expected = reference_one_pass(images, ring_taps(widest_px / 2, knobs), knobs.largest_radius_px);
+        EXPECT_LT(worst_difference(run(methods[1], images), expected), 2e-4) << widest_px;
+    }
+}
+
+}  // namespace
+}  // namespace matchlight::test
