@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "render/effects/defocus_diffusion.h"
 #include "render/effects/defocus_one_pass.h"
 #include "render/effects/defocus_two_pass.h"
 
@@ -18,9 +19,10 @@ GraphTexture add_defocus(RenderGraph& graph, ShaderLibrary& shaders, const Defoc
             return add_two_pass_defocus(graph, shaders, input, two_pass_knobs(quality));
         case DepthOfFieldLevel::one_pass:
             return add_one_pass_defocus(graph, shaders, input, one_pass_knobs(quality));
+        case DepthOfFieldLevel::diffusion:
+            return add_diffusion_defocus(graph, shaders, input, diffusion_knobs(quality));
         case DepthOfFieldLevel::layers:
         case DepthOfFieldLevel::mipmap:
-        case DepthOfFieldLevel::diffusion:
         case DepthOfFieldLevel::gather:
         case DepthOfFieldLevel::lens_samples:
             break;

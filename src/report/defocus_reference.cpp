@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "core/parallel.h"
 
@@ -84,6 +86,61 @@ DefocusImages blurred(const DefocusImages& images, const Weights& weights, std::
     return result;
 }
 
+/// A row or a column of an image.
+struct Line {
+    int x = 0, y = 0;
+    int step_x = 0, step_y = 0;
+    int size = 0;
+};
+
+/// Circles where nothing is: between those beside it on the line.
+void fill_circles(ImageD& coc_px, const Line& line) {
+    const auto at = [&](int i) -> double& { return coc_px.at(line.x + i * line.step_x, line.y + i * line.step_y); };
+    std::vector<int> known;
+    for (int i = 0; i < line.size; ++i) {
+        if (!std::isnan(at(i))) known.push_back(i);
+    }
+    if (known.empty()) return;
+    for (int i = 0; i < line.size; ++i) {
+        const auto next = std::upper_bound(known.begin(), known.end(), i);
+        const int right = next == known.end() ? known.back() : *next;
+        const int left = next == known.begin() ? known.front() : *(next - 1);
+        const double t = left == right ? 0 : static_cast<double>(i - left) / (right - left);
+        if (i != left) at(i) = std::lerp(std::abs(at(left)), std::abs(at(right)), t);
+    }
+}
+
+void diffuse(ImageD& light, const ImageD& coc_px, const Line& line, int steps) {
+    const auto n = static_cast<std::size_t>(line.size);
+    const auto place = [&](std::size_t i) {
+        return std::pair{line.x + static_cast<int>(i) * line.step_x, line.y + static_cast<int>(i) * line.step_y};
+    };
+    const auto conductivity = [&](std::size_t i) {
+        const auto [x, y] = place(i);
+        const double circle = std::abs(coc_px.at(x, y));
+        return circle >= least_coc_px ? circle * circle / (32.0 * steps) : 0.0;
+    };
+    std::vector<double> between(n, 0.0), share(n);
+    for (std::size_t i = 0; i + 1 < n; ++i) between[i] = std::min(conductivity(i), conductivity(i + 1));
+    std::vector<double> solved(n);
+    for (int c = 0; c < 4; ++c) {
+        double before = 0, w = 0, last = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            const auto [x, y] = place(i);
+            const double own = 1 + before * w, divisor = own + between[i];
+            solved[i] = last = (light.at(x, y, c) + before * last) / divisor;
+            share[i] = between[i] / divisor;
+            w = own / divisor;
+            before = between[i];
+        }
+        last = 0;
+        for (std::size_t i = n; i-- > 0;) {
+            const auto [x, y] = place(i);
+            light.at(x, y, c) = last = solved[i] + share[i] * last;
+        }
+    }
+}
+
 }  // namespace
 
 DefocusImages::DefocusImages(int width, int height)
@@ -112,6 +169,24 @@ ImageD reference_two_pass(const DefocusImages& images, double largest_radius_px)
 
 ImageD reference_one_pass(const DefocusImages& images, std::span<const DefocusTap> taps, double largest_radius_px) {
     return blurred(images, {largest_radius_px}, taps).light;
+}
+
+ImageD reference_diffusion(const DefocusImages& images, int steps) {
+    const int width = images.light.width(), height = images.light.height();
+    ImageD light = images.light, coc_px = images.coc_px;
+    for (int step = 0; step < steps; ++step) {
+        for (int y = 0; y < height; ++y) {
+            const Line row{.x = 0, .y = y, .step_x = 1, .step_y = 0, .size = width};
+            fill_circles(coc_px, row);
+            diffuse(light, coc_px, row, steps);
+        }
+        for (int x = 0; x < width; ++x) {
+            const Line column{.x = x, .y = 0, .step_x = 0, .step_y = 1, .size = height};
+            fill_circles(coc_px, column);
+            diffuse(light, coc_px, column, steps);
+        }
+    }
+    return light;
 }
 
 }  // namespace matchlight

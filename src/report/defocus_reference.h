@@ -28,4 +28,7 @@ ImageD reference_two_pass(const DefocusImages& images, double largest_radius_px)
 /// The same weights in one gather over the taps; disc_taps() is what rings converge to.
 ImageD reference_one_pass(const DefocusImages& images, std::span<const DefocusTap> taps, double largest_radius_px);
 
+/// Kass, Lefohn & Owens 2006, across and then down, each step of `steps` with its share of the conductivity.
+ImageD reference_diffusion(const DefocusImages& images, int steps);
+
 }  // namespace matchlight

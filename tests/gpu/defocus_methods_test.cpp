@@ -3,6 +3,7 @@
 
 #include "defocus_frame.h"
 #include "gl_fixture.h"
+#include "render/effects/defocus_diffusion.h"
 #include "render/effects/defocus_one_pass.h"
 #include "render/effects/defocus_two_pass.h"
 
@@ -22,6 +23,10 @@ const std::vector<Method> methods{
     {"one_pass",
      [](RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input, QualityLevel quality) {
          return add_one_pass_defocus(graph, shaders, input, one_pass_knobs(quality));
+     }},
+    {"diffusion",
+     [](RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input, QualityLevel quality) {
+         return add_diffusion_defocus(graph, shaders, input, diffusion_knobs(quality));
      }},
 };
 
@@ -131,6 +136,52 @@ TEST_F(DefocusMethodsTest, OnePassAgreesWithItsReference) {
         const OnePassKnobs knobs = one_pass_knobs(QualityLevel::final_);
         const ImageD expected = reference_one_pass(images, ring_taps(widest_px / 2, knobs), knobs.largest_radius_px);
         EXPECT_LT(worst_difference(run(methods[1], images), expected), 2e-4) << widest_px;
+    }
+}
+
+TEST_F(DefocusMethodsTest, DiffusionAgreesWithItsReference) {
+    for (const double widest_px : {6.0, 24.0, 300.0}) {
+        for (const QualityLevel quality : {QualityLevel::final_, QualityLevel::reference}) {
+            const DefocusImages images = slope_and_square(120, 80, widest_px);
+            const ImageD expected = reference_diffusion(images, diffusion_knobs(quality).steps);
+            EXPECT_LT(worst_difference(run(methods[2], images, quality), expected), 1e-4) << widest_px;
+        }
+    }
+}
+
+TEST_F(DefocusMethodsTest, DiffusionKeepsItsEnergyAtAnyConductivity) {
+    for (const double conductivity : {1.0, 1e3, 1e6, 1e8, 1e10, 1e12}) {
+        const double coc_px = std::sqrt(32 * conductivity);
+        DefocusImages images(500, 37);
+        for (int y = 0; y < 37; ++y) {
+            for (int x = 0; x < 500; ++x) {
+                if ((x + 3 * y) % 7 < 5) images.set(x, y, 1 + (x * 13 + y * 7) % 11, coc_px);
+            }
+        }
+        images.set(400, 11, 1e5, coc_px);
+        const ImageF result = run(methods[2], images);
+        EXPECT_NEAR(sum_of(result, 0) / sum_of(images.light, 0), 1, 1e-5) << conductivity;
+        EXPECT_NEAR(sum_of(result, 3) / sum_of(images.light, 3), 1, 1e-5) << conductivity;
+        for (const float value : result.samples()) ASSERT_TRUE(std::isfinite(value) && value >= 0) << conductivity;
+    }
+}
+
+TEST_F(DefocusMethodsTest, DiffusionHasTheVarianceOfADisc) {
+    for (const double coc_px : {4.0, 16.0}) {
+        DefocusImages images(241, 241);
+        images.set(120, 120, 1, coc_px);
+        for (const QualityLevel quality : {QualityLevel::final_, QualityLevel::reference}) {
+            const ImageF result = run(methods[2], images, quality);
+            double across = 0, down = 0;
+            for (int y = 0; y < 241; ++y) {
+                for (int x = 0; x < 241; ++x) {
+                    across += result.at(x, y) * (x - 120) * (x - 120);
+                    down += result.at(x, y) * (y - 120) * (y - 120);
+                }
+            }
+            EXPECT_NEAR(across / (coc_px * coc_px / 16), 1, 1e-3);
+            EXPECT_NEAR(down / (coc_px * coc_px / 16), 1, 1e-3);
+        }
     }
 }
 
