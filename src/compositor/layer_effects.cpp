@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/effects/defocus_diffusion.h"
+#include "render/effects/defocus_layers.h"
 #include "render/effects/defocus_one_pass.h"
 #include "render/effects/defocus_two_pass.h"
 
@@ -22,6 +23,7 @@ GraphTexture add_defocus(RenderGraph& graph, ShaderLibrary& shaders, const Defoc
         case DepthOfFieldLevel::diffusion:
             return add_diffusion_defocus(graph, shaders, input, diffusion_knobs(quality));
         case DepthOfFieldLevel::layers:
+            return add_layers_defocus(graph, shaders, input, layers_knobs(quality));
         case DepthOfFieldLevel::mipmap:
         case DepthOfFieldLevel::gather:
         case DepthOfFieldLevel::lens_samples:

@@ -171,6 +171,38 @@ ImageD reference_one_pass(const DefocusImages& images, std::span<const DefocusTa
     return blurred(images, {largest_radius_px}, taps).light;
 }
 
+ImageD reference_layers(const DefocusImages& images, const SlicedReference& sliced) {
+    const int width = images.light.width(), height = images.light.height();
+    ImageD result(width, height, 4);
+    for (const DefocusSlice& slice : sliced.slices) {
+        std::vector<DefocusTap> taps{{}};
+        if (slice.circle_px != 0) taps = bokeh_taps(sliced.bokeh, std::abs(slice.circle_px) / 2, slice.circle_px < 0);
+        parallel_for(height, [&](int y) {
+            for (int x = 0; x < width; ++x) {
+                std::array<double, 4> front{};
+                double known = 0;
+                for (const DefocusTap& tap : taps) {
+                    const int u = x + tap.x, v = y + tap.y;
+                    if (!images.light.bounds().contains(u, v)) continue;
+                    known += tap.area_px2;
+                    const double circle = images.coc_px.at(u, v);
+                    if (!(circle >= slice.from_px && circle < slice.to_px)) continue;
+                    for (int c = 0; c < 4; ++c)
+                        front[static_cast<std::size_t>(c)] += tap.area_px2 * images.light.at(u, v, c);
+                }
+                if (known > 0) {
+                    for (double& value : front) value /= known;
+                }
+                double* behind = result.pixel(x, y);
+                const double left = 1 - front[3];
+                const double share = sliced.disjoint && behind[3] > 0 ? std::clamp(left / behind[3], 0.0, 1.0) : left;
+                for (int c = 0; c < 4; ++c) behind[c] = front[static_cast<std::size_t>(c)] + share * behind[c];
+            }
+        });
+    }
+    return result;
+}
+
 ImageD reference_diffusion(const DefocusImages& images, int steps) {
     const int width = images.light.width(), height = images.light.height();
     ImageD light = images.light, coc_px = images.coc_px;

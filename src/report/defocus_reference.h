@@ -5,6 +5,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "render/effects/defocus_taps.h"
 #include "report/bright_reference.h"
@@ -30,5 +31,13 @@ ImageD reference_one_pass(const DefocusImages& images, std::span<const DefocusTa
 
 /// Kass, Lefohn & Owens 2006, across and then down, each step of `steps` with its share of the conductivity.
 ImageD reference_diffusion(const DefocusImages& images, int steps);
+
+/// Scofield 1992: each slice blurred by its own opening, on whole pixels, then put before those behind it.
+struct SlicedReference {
+    std::vector<DefocusSlice> slices;  // back to front
+    BokehSettings bokeh;
+    bool disjoint = true;  // as LayersKnobs
+};
+ImageD reference_layers(const DefocusImages& images, const SlicedReference& sliced);
 
 }  // namespace matchlight

@@ -1,9 +1,11 @@
 // What all post-process methods of depth of field hold to, and each against its double-precision reference.
 #include <cmath>
+#include <string_view>
 
 #include "defocus_frame.h"
 #include "gl_fixture.h"
 #include "render/effects/defocus_diffusion.h"
+#include "render/effects/defocus_layers.h"
 #include "render/effects/defocus_one_pass.h"
 #include "render/effects/defocus_two_pass.h"
 
@@ -28,6 +30,8 @@ const std::vector<Method> methods{
      [](RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input, QualityLevel quality) {
          return add_diffusion_defocus(graph, shaders, input, diffusion_knobs(quality));
      }},
+    {"layers", [](RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input,
+                  QualityLevel quality) { return add_layers_defocus(graph, shaders, input, layers_knobs(quality)); }},
 };
 
 class DefocusMethodsTest : public GlTest {
@@ -64,22 +68,27 @@ TEST_F(DefocusMethodsTest, NothingStaysNothing) {
 }
 
 TEST_F(DefocusMethodsTest, AFlatSurfaceStaysFlatWhereItIsWhole) {
-    DefocusImages images(120, 100);
-    for (int y = 0; y < 100; ++y) {
-        for (int x = 0; x < 120; ++x) images.set(x, y, 0.7, x < 60 ? -13 : 9);
-    }
     for (const Method& method : methods) {
+        DefocusImages images(120, 100);
+        // Slices of different circles leave a seam between them, which is measured below.
+        const double right_px = std::string_view(method.name) == "layers" ? -13 : 9;
+        for (int y = 0; y < 100; ++y) {
+            for (int x = 0; x < 120; ++x) images.set(x, y, 0.7, x < 60 ? -13 : right_px);
+        }
         const ImageF result = run(method, images);
-        for (const float value : result.samples()) {
-            EXPECT_NEAR(value, value > 0.85F ? 1 : 0.7, 1e-5) << method.name;
+        for (int y = 0; y < 100; ++y) {
+            for (int x = 0; x < 120; ++x) {
+                ASSERT_NEAR(result.at(x, y), 0.7, 1e-5) << method.name;
+                ASSERT_NEAR(result.at(x, y, 3), 1, 1e-5) << method.name;
+            }
         }
     }
 }
 
 TEST_F(DefocusMethodsTest, AHighlightKeepsItsEnergy) {
     for (const double coc_px : {3.0, 12.4, -31.0}) {
-        DefocusImages images(150, 140);
-        images.set(71, 66, 1e5, coc_px);
+        DefocusImages images(84, 80);
+        images.set(41, 38, 1e5, coc_px);
         for (const Method& method : methods) {
             const ImageF result = run(method, images, QualityLevel::reference);
             EXPECT_NEAR(sum_of(result, 0) / 1e5, 1, 1e-4) << method.name << ", circle " << coc_px;
@@ -183,6 +192,52 @@ TEST_F(DefocusMethodsTest, DiffusionHasTheVarianceOfADisc) {
             EXPECT_NEAR(down / (coc_px * coc_px / 16), 1, 1e-3);
         }
     }
+}
+
+TEST_F(DefocusMethodsTest, LayersAgreeWithTheirReference) {
+    for (const double widest_px : {6.0, 24.0}) {
+        const DefocusImages images = slope_and_square(120, 80, widest_px);
+        for (const bool disjoint : {false, true}) {
+            const LayersKnobs knobs{.slices = 9, .radius_texels = 64, .disjoint = disjoint};
+            const ImageF result =
+                run_defocus(shaders_, images, [&](RenderGraph& graph, ShaderLibrary& s, const DefocusInput& input) {
+                    return add_layers_defocus(graph, s, input, knobs);
+                });
+            const ImageD expected = reference_layers(
+                images, {.slices = defocus_slices(-widest_px, widest_px, 9), .bokeh = {}, .disjoint = disjoint});
+            EXPECT_LT(worst_difference(result, expected), 1e-4) << widest_px;
+        }
+    }
+}
+
+TEST_F(DefocusMethodsTest, SlicesLeaveSeamsWhereASurfaceRunsThroughThem) {
+    // All of the frame is covered; what is left of that is the seams' doing.
+    DefocusImages images(240, 40);
+    for (int y = 0; y < 40; ++y) {
+        for (int x = 0; x < 240; ++x) images.set(x, y, 0.5, 4 + std::round(64 * x / 15.0) / 64);
+    }
+    const auto least_coverage = [&](int slices, bool disjoint) {
+        const ImageF result =
+            run_defocus(shaders_, images, [&](RenderGraph& graph, ShaderLibrary& s, const DefocusInput& input) {
+                return add_layers_defocus(graph, s, input, {.slices = slices, .disjoint = disjoint});
+            });
+        float least = 1;
+        for (int x = 0; x < 240; ++x) least = std::min(least, result.at(x, 20, 3));
+        return least;
+    };
+    // Slices that add up come together as they get finer; over, each takes its share of what the others left, and finer
+    // ones do not help: of two straight edges 1 − 1/4 is left, of many narrow ones 1 − 1/e, and less where circles
+    // differ.
+    double last = 0;
+    for (const int slices : {2, 8, 64}) {
+        const double added = least_coverage(slices, true), over = least_coverage(slices, false);
+        EXPECT_GT(added, last);
+        EXPECT_LT(over, 0.75);
+        EXPECT_GT(over, 0.6);
+        EXPECT_GT(added, over);
+        last = added;
+    }
+    EXPECT_GT(last, 0.97);
 }
 
 }  // namespace

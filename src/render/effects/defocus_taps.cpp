@@ -3,12 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
 
+#include <Eigen/Core>
 #include <fmt/format.h>
+
+#include "render/effects/bokeh.h"
 
 namespace matchlight {
 
@@ -61,6 +65,52 @@ std::vector<DefocusTap> ring_taps(double radius_px, const OnePassKnobs& knobs) {
         taps.push_back({x, y, static_cast<float>(std::hypot(x, y)), static_cast<float>(area)});
     }
     return taps;
+}
+
+std::vector<DefocusTap> bokeh_taps(const BokehSettings& bokeh, double radius, bool before_focus) {
+    constexpr int parts = 8;  // of a texel's side: its area to 1/64
+    const int reach = static_cast<int>(std::ceil(radius + 0.5));
+    const double turn = before_focus ? -1 : 1;
+    std::vector<DefocusTap> taps;
+    for (int y = -reach; y <= reach; ++y) {
+        for (int x = -reach; x <= reach; ++x) {
+            int inside = 0;
+            for (int v = 0; v < parts; ++v) {
+                for (int u = 0; u < parts; ++u) {
+                    const Eigen::Vector2d point(x + (u + 0.5) / parts - 0.5, y + (v + 0.5) / parts - 0.5);
+                    if (bokeh_distance(bokeh, turn * point) <= radius) ++inside;
+                }
+            }
+            const float area = static_cast<float>(inside) / (parts * parts);
+            if (inside > 0) taps.push_back({x, y, static_cast<float>(std::hypot(x, y)), area});
+        }
+    }
+    if (taps.empty()) taps.push_back({});  // finer than the parts
+    return taps;
+}
+
+std::vector<DefocusSlice> defocus_slices(double nearest_px, double farthest_px, int count) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const double before_px = std::max(0.0, -least_coc_px - nearest_px);
+    const double behind_px = std::max(0.0, farthest_px - least_coc_px);
+    std::vector<DefocusSlice> slices;
+    // From `from_px` to `to_px` in about as many parts as it has of the whole.
+    const auto add = [&](double from_px, double to_px) {
+        const double share = (to_px - from_px) / (before_px + behind_px);
+        const int parts = std::max(1, static_cast<int>(std::lround(count * share)));
+        const double step_px = (to_px - from_px) / parts;
+        for (int i = 0; i < parts; ++i)
+            slices.push_back({from_px + i * step_px, from_px + (i + 1) * step_px, from_px + (i + 0.5) * step_px});
+    };
+    if (before_px > 0) add(nearest_px, -least_coc_px);
+    slices.push_back({-least_coc_px, least_coc_px, 0});
+    if (behind_px > 0) add(least_coc_px, farthest_px);
+    // Ends meet exactly, and the outermost hold what rounding puts beyond them.
+    for (std::size_t i = 1; i < slices.size(); ++i) slices[i].from_px = slices[i - 1].to_px;
+    slices.front().from_px = -infinity;
+    slices.back().to_px = infinity;
+    std::reverse(slices.begin(), slices.end());
+    return slices;
 }
 
 }  // namespace matchlight

@@ -31,4 +31,16 @@ std::vector<DefocusTap> disc_taps(double radius_px);
 /// that fall on one pixel count as one. The pixel areas add up to the disc's.
 std::vector<DefocusTap> ring_taps(double radius_px, const OnePassKnobs& knobs);
 
+/// Texels that an opening of `radius` texels shows, with their areas; from behind where it is before the focus.
+std::vector<DefocusTap> bokeh_taps(const BokehSettings& bokeh, double radius, bool before_focus);
+
+/// What has a signed circle from `from_px` to under `to_px` is blurred by one of `circle_px`; 0: it is in focus.
+struct DefocusSlice {
+    double from_px = 0, to_px = 0;
+    double circle_px = 0;
+};
+
+/// About `count` slices of equal width, and what is in focus apart from them: back to front, together everything.
+std::vector<DefocusSlice> defocus_slices(double nearest_px, double farthest_px, int count);
+
 }  // namespace matchlight
