@@ -5,6 +5,7 @@
 
 #include "render/effects/defocus_diffusion.h"
 #include "render/effects/defocus_layers.h"
+#include "render/effects/defocus_mipmap.h"
 #include "render/effects/defocus_one_pass.h"
 #include "render/effects/defocus_two_pass.h"
 
@@ -25,6 +26,7 @@ GraphTexture add_defocus(RenderGraph& graph, ShaderLibrary& shaders, const Defoc
         case DepthOfFieldLevel::layers:
             return add_layers_defocus(graph, shaders, input, layers_knobs(quality));
         case DepthOfFieldLevel::mipmap:
+            return add_mipmap_defocus(graph, shaders, input, mipmap_knobs(quality));
         case DepthOfFieldLevel::gather:
         case DepthOfFieldLevel::lens_samples:
             break;

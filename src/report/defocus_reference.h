@@ -40,4 +40,7 @@ struct SlicedReference {
 };
 ImageD reference_layers(const DefocusImages& images, const SlicedReference& sliced);
 
+/// Lee, Kim & Choi 2009, with so many levels.
+ImageD reference_mipmap(const DefocusImages& images, int levels);
+
 }  // namespace matchlight

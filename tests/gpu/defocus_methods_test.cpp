@@ -1,4 +1,5 @@
 // What all post-process methods of depth of field hold to, and each against its double-precision reference.
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -6,6 +7,7 @@
 #include "gl_fixture.h"
 #include "render/effects/defocus_diffusion.h"
 #include "render/effects/defocus_layers.h"
+#include "render/effects/defocus_mipmap.h"
 #include "render/effects/defocus_one_pass.h"
 #include "render/effects/defocus_two_pass.h"
 
@@ -32,7 +34,13 @@ const std::vector<Method> methods{
      }},
     {"layers", [](RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input,
                   QualityLevel quality) { return add_layers_defocus(graph, shaders, input, layers_knobs(quality)); }},
+    {"mipmap", [](RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input,
+                  QualityLevel quality) { return add_mipmap_defocus(graph, shaders, input, mipmap_knobs(quality)); }},
 };
+
+const Method& method(std::string_view name) {
+    return *std::find_if(methods.begin(), methods.end(), [&](const Method& method) { return method.name == name; });
+}
 
 class DefocusMethodsTest : public GlTest {
 protected:
@@ -87,8 +95,8 @@ TEST_F(DefocusMethodsTest, AFlatSurfaceStaysFlatWhereItIsWhole) {
 
 TEST_F(DefocusMethodsTest, AHighlightKeepsItsEnergy) {
     for (const double coc_px : {3.0, 12.4, -31.0}) {
-        DefocusImages images(84, 80);
-        images.set(41, 38, 1e5, coc_px);
+        DefocusImages images(120, 116);
+        images.set(61, 58, 1e5, coc_px);
         for (const Method& method : methods) {
             const ImageF result = run(method, images, QualityLevel::reference);
             EXPECT_NEAR(sum_of(result, 0) / 1e5, 1, 1e-4) << method.name << ", circle " << coc_px;
@@ -135,7 +143,7 @@ TEST_F(DefocusMethodsTest, TwoPassAgreesWithItsReference) {
     for (const double widest_px : {6.0, 24.0}) {
         const DefocusImages images = slope_and_square(120, 80, widest_px);
         const ImageD expected = reference_two_pass(images, 64);
-        EXPECT_LT(worst_difference(run(methods[0], images), expected), 2e-4) << widest_px;
+        EXPECT_LT(worst_difference(run(method("two_pass"), images), expected), 2e-4) << widest_px;
     }
 }
 
@@ -144,7 +152,7 @@ TEST_F(DefocusMethodsTest, OnePassAgreesWithItsReference) {
         const DefocusImages images = slope_and_square(120, 80, widest_px);
         const OnePassKnobs knobs = one_pass_knobs(QualityLevel::final_);
         const ImageD expected = reference_one_pass(images, ring_taps(widest_px / 2, knobs), knobs.largest_radius_px);
-        EXPECT_LT(worst_difference(run(methods[1], images), expected), 2e-4) << widest_px;
+        EXPECT_LT(worst_difference(run(method("one_pass"), images), expected), 2e-4) << widest_px;
     }
 }
 
@@ -153,7 +161,7 @@ TEST_F(DefocusMethodsTest, DiffusionAgreesWithItsReference) {
         for (const QualityLevel quality : {QualityLevel::final_, QualityLevel::reference}) {
             const DefocusImages images = slope_and_square(120, 80, widest_px);
             const ImageD expected = reference_diffusion(images, diffusion_knobs(quality).steps);
-            EXPECT_LT(worst_difference(run(methods[2], images, quality), expected), 1e-4) << widest_px;
+            EXPECT_LT(worst_difference(run(method("diffusion"), images, quality), expected), 1e-4) << widest_px;
         }
     }
 }
@@ -168,7 +176,7 @@ TEST_F(DefocusMethodsTest, DiffusionKeepsItsEnergyAtAnyConductivity) {
             }
         }
         images.set(400, 11, 1e5, coc_px);
-        const ImageF result = run(methods[2], images);
+        const ImageF result = run(method("diffusion"), images);
         EXPECT_NEAR(sum_of(result, 0) / sum_of(images.light, 0), 1, 1e-5) << conductivity;
         EXPECT_NEAR(sum_of(result, 3) / sum_of(images.light, 3), 1, 1e-5) << conductivity;
         for (const float value : result.samples()) ASSERT_TRUE(std::isfinite(value) && value >= 0) << conductivity;
@@ -180,7 +188,7 @@ TEST_F(DefocusMethodsTest, DiffusionHasTheVarianceOfADisc) {
         DefocusImages images(241, 241);
         images.set(120, 120, 1, coc_px);
         for (const QualityLevel quality : {QualityLevel::final_, QualityLevel::reference}) {
-            const ImageF result = run(methods[2], images, quality);
+            const ImageF result = run(method("diffusion"), images, quality);
             double across = 0, down = 0;
             for (int y = 0; y < 241; ++y) {
                 for (int x = 0; x < 241; ++x) {
@@ -238,6 +246,31 @@ TEST_F(DefocusMethodsTest, SlicesLeaveSeamsWhereASurfaceRunsThroughThem) {
         last = added;
     }
     EXPECT_GT(last, 0.97);
+}
+
+TEST_F(DefocusMethodsTest, MipmapAgreesWithItsReference) {
+    for (const auto& [widest_px, levels] : {std::pair{2.0, 1}, {6.0, 2}, {24.0, 4}, {300.0, 7}}) {
+        const DefocusImages images = slope_and_square(121, 83, widest_px);
+        EXPECT_LT(worst_difference(run(method("mipmap"), images), reference_mipmap(images, levels)), 2e-4) << widest_px;
+    }
+}
+
+TEST_F(DefocusMethodsTest, MipmapHasTheVarianceOfADisc) {
+    for (const double coc_px : {1.5, 4.0, 9.0, 20.0}) {
+        DefocusImages images(160, 160);
+        images.set(77, 81, 1, coc_px);
+        const ImageF result = run(method("mipmap"), images);
+        double across = 0, mean = 0;
+        for (int y = 0; y < 160; ++y) {
+            for (int x = 0; x < 160; ++x) {
+                across += result.at(x, y) * (x - 77) * (x - 77);
+                mean += result.at(x, y) * (x - 77);
+            }
+        }
+        // Where the point lies in its texels moves the mean, by less than a quarter of the finer one.
+        EXPECT_NEAR((across - mean * mean) / (coc_px * coc_px / 16), 1, 0.15) << coc_px;
+        EXPECT_LT(std::abs(mean), 0.25 * coc_px) << coc_px;
+    }
 }
 
 }  // namespace

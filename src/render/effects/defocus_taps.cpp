@@ -113,4 +113,13 @@ std::vector<DefocusSlice> defocus_slices(double nearest_px, double farthest_px, 
     return slices;
 }
 
+double circle_of_level_px(int level) {
+    return level == 0 ? 0 : 2 * std::sqrt(2 * std::exp2(2 * level) - 1);
+}
+
+double full_circle_of_level_px(int level) {
+    // The finest level is used from 0 on: half of its circle, as the levels' circles double.
+    return level == 1 ? circle_of_level_px(1) / 2 : circle_of_level_px(level - 1);
+}
+
 }  // namespace matchlight

@@ -43,4 +43,11 @@ struct DefocusSlice {
 /// About `count` slices of equal width, and what is in focus apart from them: back to front, together everything.
 std::vector<DefocusSlice> defocus_slices(double nearest_px, double farthest_px, int count);
 
+/// The disc that has the variance of what is looked up on a level of the pyramid: (2 · 4^level − 1)/4 px² along an
+/// axis, half of it from the steps down by [1 3 3 1]/8 and half from quadratic B-splines; c²/16 is a disc's. 0: the
+/// picture.
+double circle_of_level_px(int level);
+/// Circles from this on count fully on level 1, 2, …: those that look no finer level up.
+double full_circle_of_level_px(int level);
+
 }  // namespace matchlight
