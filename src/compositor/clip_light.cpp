@@ -1,9 +1,12 @@
 // One pass for each map, left out where the scene has nothing that looks at it.
 #include "compositor/clip_light.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "lighting/probe.h"
+#include "scene/object_motion.h"
 
 namespace matchlight {
 
@@ -12,6 +15,9 @@ namespace {
 /// Without a probe objects are lit evenly from everywhere; half of the light that makes code 1 keeps white paper
 /// (albedo 0.8) well below clipping.
 constexpr float even_light = 0.5f;
+
+constexpr const char* contact_pass = "shadow/contact";
+constexpr const char* between_pass = "shadow/between objects";
 
 Probe even_probe() {
     Probe probe;
@@ -35,6 +41,7 @@ ClipLight::ClipLight(ShaderLibrary& shaders, SurfaceRenderer& surfaces, const Sc
       surfaces_(surfaces),
       surface_(scene.surface),
       quality_(quality),
+      shadows_hold_for_(std::ranges::any_of(scene.objects, moves) ? "where the objects stand" : "the clip"),
       probe_(probe_of(scene, warnings)) {
     if (scene.probe) probe_place_m_ = scene.probe->place_m;
     environment_ = std::make_unique<Environment>(
@@ -90,18 +97,26 @@ void ClipLight::add_environment(RenderGraph& graph, std::vector<PassInput>& inpu
     add("light/sphere map", ReflectionForm::sphere_map, "no object reflects by it", &Environment::make_sphere_map);
 }
 
+void ClipLight::forget_shadows(RenderGraph& graph, bool casters) {
+    if (casters) graph.forget_kept(contact_pass);
+    graph.forget_kept(between_pass);
+}
+
 void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) {
     const bool anything_casts = !surfaces_.shadow_caster_bounds_m().isEmpty();
-    const char* const contact = "shadow/contact";
-    const char* const between = "shadow/between objects";
     std::vector<PassInput> contact_input;
     if (!surface_.present || !surface_.shadow) {
-        graph.leave_out(contact, "the scene's surface catches no shadow");
+        graph.leave_out(contact_pass, "the scene's surface catches no shadow");
     } else if (!anything_casts && graph.leaves_out()) {
-        graph.leave_out(contact, "no object casts");
+        graph.leave_out(contact_pass, "no object casts");
     } else {
         const GraphTexture map = graph.import(nullptr, {.format = GL_NONE, .region = {}});
-        graph.add_pass({.name = contact, .writes = {}, .provides = {map}, .once = true, .draw = [this](PassRun&) {
+        graph.add_pass({.name = contact_pass,
+                        .writes = {},
+                        .provides = {map},
+                        .once = true,
+                        .once_for = shadows_hold_for_,
+                        .draw = [this](PassRun&) {
                             contact_shadow_ = make_contact_shadow(
                                 shaders_, casters(),
                                 make_surface_light(probe_, surface_.z_m, quality_.shadow.directions), quality_.shadow);
@@ -109,13 +124,15 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
         contact_input.push_back({map});
         inputs.push_back({map});
     }
-    if (quality_.object_shadow.directions == 0) return graph.leave_out(between, "this quality level has none");
-    if (!anything_casts && graph.leaves_out()) return graph.leave_out(between, "no object casts");
+    if (quality_.object_shadow.directions == 0) return graph.leave_out(between_pass, "this quality level has none");
+    if (!anything_casts && graph.leaves_out()) return graph.leave_out(between_pass, "no object casts");
     const GraphTexture baked = graph.import(nullptr, {.format = GL_NONE, .region = {}});
-    graph.add_pass(
-        {.name = between, .reads = contact_input, .provides = {baked}, .once = true, .draw = [this](PassRun&) {
-             bake_object_shadow();
-         }});
+    graph.add_pass({.name = between_pass,
+                    .reads = contact_input,
+                    .provides = {baked},
+                    .once = true,
+                    .once_for = shadows_hold_for_,
+                    .draw = [this](PassRun&) { bake_object_shadow(); }});
     inputs.push_back({baked});
 }
 

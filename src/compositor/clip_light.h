@@ -1,8 +1,9 @@
-// The light that a whole clip shares: static objects under a static probe, so its maps are made once.
+// The light that a whole clip shares: its maps are made once, those of shadows anew where objects move.
 #pragma once
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "compositor/quality.h"
@@ -24,6 +25,9 @@ public:
 
     /// The passes that make what the scene needs, drawn once over all frames; returns what drawing surfaces reads.
     std::vector<PassInput> add_passes(RenderGraph& graph);
+    /// Objects stand otherwise than when the maps were made: lets the passes of shadows draw again, of the one on the
+    /// surface only where `casters` moved.
+    static void forget_shadows(RenderGraph& graph, bool casters);
 
     /// Turned and scaled as the scene says.
     const Probe& probe() const { return probe_; }
@@ -43,6 +47,7 @@ private:
     SurfaceSettings surface_;
     std::optional<Eigen::Vector3d> probe_place_m_;
     Quality quality_;
+    std::string shadows_hold_for_;  // what the maps of shadows are made once for
     Probe probe_;
     std::unique_ptr<Environment> environment_;
     std::optional<ContactShadow> contact_shadow_;

@@ -14,6 +14,7 @@
 #include "compositor/lens_map.h"
 #include "compositor/quality.h"
 #include "compositor/reach.h"
+#include "compositor/scene_objects.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/transfer.h"
@@ -21,25 +22,10 @@
 #include "render/composite_pass.h"
 #include "render/effects/exposure.h"
 #include "render/surface.h"
-#include "scene/model.h"
-#include "scene/subdivide.h"
 
 namespace matchlight {
 
 namespace {
-
-Eigen::Matrix4d world_from_model(const ObjectSettings& object, const Solve& solve, const std::filesystem::path& scene) {
-    Eigen::Affine3d placement = Eigen::Translation3d(object.translate_m) * rotation_from_degrees(object.rotate_deg) *
-                                Eigen::Scaling(object.scale);
-    if (!object.parent_tag) return placement.matrix();
-    for (const SolvedTag& tag : solve.rig) {
-        if (tag.id == *object.parent_tag) return (tag.world_from_tag * placement).matrix();
-    }
-    throw InputError(scene,
-                     fmt::format("object '{}' stands on tag {}, whose place the solve does not know", object.name,
-                                 *object.parent_tag),
-                     "track the clip again with that tag in the rig");
-}
 
 /// Rows R, G, B of linear light at evenly spaced codes, among them every code of the footage's own depth.
 ImageF response_table(const Response& response, int bit_depth) {
@@ -53,22 +39,17 @@ ImageF response_table(const Response& response, int bit_depth) {
     return table;
 }
 
-/// Shadows between objects are kept at vertices: a face is given some, about as many along a model as a small shadow
-/// needs. Larger meshes stay as they are, being fine already.
-void shorten_edges(Model& model) {
-    constexpr double edges_along_model = 48;
-    constexpr std::size_t most_vertices = 200'000;
-    const double longest_m = model.bounds_m.sizes().maxCoeff() / edges_along_model;
-    for (ModelMesh& mesh : model.meshes) mesh = with_short_edges(mesh, longest_m, most_vertices);
-}
-
 }  // namespace
 
 struct Compositor::Impl {
     Impl(GlContext& gl_context, const Scene& scene, const Solve& the_solve, const CompositorOptions& the_options,
          Warnings& the_warnings);
 
-    void place_objects(const Scene& scene, Warnings& warnings);
+    void load_objects(const Scene& scene, Warnings& warnings);
+    /// Makes the light's maps, those that are there already excepted.
+    void make_light();
+    /// Puts objects where they are in the frame, and their shadows with them.
+    void place_objects(const SolvedFrame& frame);
     void prepare_composite(const PlateFormat& format);
     const Response& response_of(const PlateFormat& format) const;
     FrameOptics optics_of(const SolvedFrame& frame) const;
@@ -90,6 +71,7 @@ struct Compositor::Impl {
     Warnings& warnings;
     ShaderLibrary shaders;
     SurfaceRenderer surfaces;
+    std::optional<SceneObjects> scene_objects;
     RenderGraph graph;
     std::optional<ClipLight> light;
     std::optional<LevelChoice> level_choice;   // by the budget
@@ -113,17 +95,39 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
       surfaces(shaders),
       lens_map(make_lens_map(solve.camera)),
       effects(shaders, scene.effects, quality, solve.camera) {
-    place_objects(scene, warnings);
+    load_objects(scene, warnings);
     light.emplace(shaders, surfaces, scene, quality, warnings);
     if (scene.camera) {
         background.emplace(scene.background, light->probe(), solve.camera.width, solve.camera.height, warnings);
     }
     graph.set_leaves_out(options.leave_out);
+    make_light();
+    if (options.budget) keep_to_budget(*options.budget);
+}
+
+void Compositor::Impl::load_objects(const Scene& scene, Warnings& the_warnings) {
+    const bool shade_each_other =
+        quality.object_shadow.directions > 0 && std::ranges::any_of(scene.objects, &ObjectSettings::casts_shadow);
+    const ClipTime start = solve.frames.empty() ? ClipTime{} : time_of(solve.frames.front());
+    scene_objects.emplace(surfaces, scene, solve, start, shade_each_other, the_warnings);
+}
+
+void Compositor::Impl::make_light() {
     graph.begin_frame(solve.camera.width, solve.camera.height);
     for (const PassInput& input : light->add_passes(graph)) graph.output(input.texture);
     graph.run(options.timed);
-    check_no_gl_error("making what the whole clip shares");
-    if (options.budget) keep_to_budget(*options.budget);
+    check_no_gl_error("making the maps of the light");
+    scene_objects->mark_lit();
+}
+
+void Compositor::Impl::place_objects(const SolvedFrame& frame) {
+    if (!scene_objects->any_moves()) return;
+    scene_objects->place(time_of(frame));
+    const PlacementChange change = scene_objects->change_since_lit();
+    if (!change.any) return;
+    light->forget_shadows(graph, change.casters);
+    if (change.casters) footprint.reset();
+    make_light();
 }
 
 void Compositor::Impl::keep_to_budget(const FrameBudget& budget) {
@@ -133,6 +137,7 @@ void Compositor::Impl::keep_to_budget(const FrameBudget& budget) {
     for (std::size_t i = 0; i < solve.frames.size(); i += step) {
         const SolvedFrame& frame = solve.frames[i];
         if (!frame.camera_from_world) continue;
+        place_objects(frame);
         Eigen::AlignedBox2d object_bounds;
         const Reach reach = reach_of(*frame.camera_from_world, PlateFormat{}, object_bounds);
         const Region objects = object_bounds.isEmpty() ? Region{} : plate_region(object_bounds, solve.camera, 0);
@@ -160,23 +165,6 @@ void Compositor::Impl::keep_to_budget(const FrameBudget& budget) {
     }
     quality = with_levels(quality, *level_choice);
     effects.set_quality(quality);
-}
-
-void Compositor::Impl::place_objects(const Scene& scene, Warnings& the_warnings) {
-    const bool shade_each_other =
-        quality.object_shadow.directions > 0 && std::ranges::any_of(scene.objects, &ObjectSettings::casts_shadow);
-    int id = 0;
-    for (const ObjectSettings& object : scene.objects) {
-        Model model =
-            object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, the_warnings);
-        if (shade_each_other) shorten_edges(model);
-        surfaces.add_object({.model = &model,
-                             .world_from_model = world_from_model(object, solve, scene.path),
-                             .material = object.material,
-                             .reflection = object.reflection,
-                             .id = ++id,
-                             .casts_shadow = object.casts_shadow});
-    }
 }
 
 const Response& Compositor::Impl::response_of(const PlateFormat& format) const {
@@ -284,6 +272,7 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
     if (!plan.posed && !whole_frame) return std::nullopt;
     whole_frame = whole_frame || background || !options.leave_out;
     context.make_current();
+    if (plan.posed) place_objects(solved);
     plan.optics = optics_of(solved);
     plan.layer_effects = layer_effects_of(solved, plan.optics);
     if (plan.posed) {

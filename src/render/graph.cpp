@@ -251,7 +251,7 @@ void RenderGraph::draw_pass(Scheduled& scheduled, bool timed) {
         report.frame_pixels = report.frame_pixels.united(shape(texture).frame_pixels());
     }
     if (const auto kept = kept_.find(pass.name); pass.once && kept != kept_.end()) {
-        report.why = "made once for the clip";
+        report.why = "made once for " + pass.once_for;
         if (kept->second > 0) report.why += fmt::format(", in {:.1f} ms", kept->second);
         return;
     }
@@ -296,7 +296,7 @@ void RenderGraph::draw_pass(Scheduled& scheduled, bool timed) {
     report.drawn = true;
     if (pass.once) {
         kept_.emplace(pass.name, report.ms);
-        report.why = "once for the clip";
+        report.why = "once for " + pass.once_for;
     }
     check_no_gl_error("pass " + pass.name);
 }

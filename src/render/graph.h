@@ -62,6 +62,7 @@ struct GraphPass {
     GpuCondition* sets = nullptr;             // unmet when the pass begins; its shader may meet it
     const GpuCondition* needs = nullptr;      // drawn only where this is met
     bool once = false;                        // what it provides outlives the frame: drawn the first time only
+    std::string once_for = "the clip";        // until when, for reports
     bool raster = true;                       // false: it writes by upload or compute shader, and gets no framebuffer
     double bytes = 0;                         // moved, where the textures it reads and writes do not tell
     std::function<void(PassRun&)> draw = {};

@@ -32,6 +32,8 @@ struct MeasuredObjects {
 std::shared_ptr<MeasuredObjects> measured_objects(const SceneStage& stage) {
     auto objects = std::make_shared<MeasuredObjects>();
     objects->compositor = stage.compositor(quality_of(QualityLevel::final_), true);
+    // Objects that move now stand where they do in this frame.
+    objects->compositor->composite(*stage.plate);
     objects->meshes = objects->compositor->surfaces().read_meshes();
     for (const PlacedMesh& mesh : objects->meshes) {
         if (!mesh.casts_shadow) continue;

@@ -293,6 +293,17 @@ void SceneReader::check_object(const toml::table& table) {
                          fmt::format("the rig has no tag {} to be a parent", *object.parent_tag));
         }
     }
+    const toml::array* keys = table["keys"].as_array();
+    for (std::size_t i = 1; i < object.keys.size(); ++i) {
+        if (object.keys[i].frame > object.keys[i - 1].frame) continue;
+        source_.fail((*keys)[i],
+                     fmt::format("keys of [[object]] {}: frame {} does not come after {}", scene_.objects.size(),
+                                 object.keys[i].frame, object.keys[i - 1].frame),
+                     "give each frame once, in ascending order");
+    }
+    if (object.spin && object.spin->axis.isZero(0)) {
+        source_.fail(*table.get("spin"), "'axis' in [object.spin] has no direction", "give [0, 0, 1] for the vertical");
+    }
     if (!object.name.empty()) return;
     // Layers need names of their own: the second "sphere" becomes "sphere 2".
     const std::string stem = object.model.empty() ? object.shape : object.model.stem().string();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -64,6 +65,20 @@ struct MaterialOverride {
     std::optional<std::array<double, 3>> specular;  // Ks of the classic model
 };
 
+/// How an object stands at a frame.
+struct ObjectKey {
+    std::int64_t frame = 0;
+    Eigen::Vector3d translate_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d rotate_deg = Eigen::Vector3d::Zero();
+    Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+};
+
+/// A steady turn about an axis through the object's origin, on top of how it stands.
+struct SpinSettings {
+    Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  // in the axes that translate is in; any length but 0
+    double turns_per_second = 0;                      // counter-clockwise seen from the axis' tip
+};
+
 struct ObjectSettings {
     std::filesystem::path model;  // empty when `shape` is given
     std::string shape;            // "sphere", "box", "plane", "torus", "cylinder"
@@ -71,6 +86,8 @@ struct ObjectSettings {
     Eigen::Vector3d translate_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d rotate_deg = Eigen::Vector3d::Zero();
     Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+    std::vector<ObjectKey> keys;  // ascending; instead of the three above
+    std::optional<SpinSettings> spin;
     std::optional<int> parent_tag;  // coordinates are that tag's instead of the world's
     ReflectionForm reflection = ReflectionForm::cube;
     bool casts_shadow = true;

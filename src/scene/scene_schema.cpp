@@ -10,6 +10,7 @@
 
 #include "scene/camera_schema.h"
 #include "scene/effect_schema.h"
+#include "scene/object_motion_schema.h"
 #include "scene/setting_domains.h"
 
 namespace matchlight {
@@ -36,6 +37,12 @@ const std::vector<SceneSection> shot_sections = {
     {"light", SectionUse::optional, "The light probe.", [](Scene& s) { s.probe.emplace(); }},
     {"object", SectionUse::repeated, "A virtual object, one `[[object]]` each.",
      [](Scene& s) { s.objects.emplace_back(); }},
+    {"object.keys", SectionUse::nested,
+     "Where the object is at some frames; a smooth curve between them (Catmull-Rom), at rest beyond. What a key leaves "
+     "out is as the object has it.",
+     begin_object_key},
+    {"object.spin", SectionUse::nested, "A steady turn about an axis through the object's origin.",
+     [](Scene& s) { s.objects.back().spin.emplace(); }},
     {"object.material", SectionUse::nested, "Overrides of the materials in the model's file.", nullptr},
     {"surface", SectionUse::always,
      "The real surface that catches shadows; without footage there is none unless this section is given.", nullptr},
@@ -130,6 +137,8 @@ const std::vector<Setting> own_settings = {
      [](Scene& s, const SettingValue& v) { s.objects.back().rotate_deg = v.vector; }},
     {"object", "scale", above(scale, 0, 1e6), "", "[1, 1, 1]", "one number, or one an axis",
      [](Scene& s, const SettingValue& v) { s.objects.back().scale = v.vector; }},
+    {"object", "keys", of_kind(sections), "", "", "how it moves: these places at some frames", nullptr},
+    {"object", "spin", of_kind(section), "", "", "it turns steadily", nullptr},
     {"object", "parent_tag", between(integer, 0, 100000), "", "", "coordinates are that tag's instead of the world's",
      [](Scene& s, const SettingValue& v) { s.objects.back().parent_tag = static_cast<int>(v.integer); }},
     {"object", "reflection", one_of({"cube", "sphere_map"}), "", "\"cube\"", "form in which the probe is reflected",
@@ -190,7 +199,8 @@ std::vector<Row> joined(const std::vector<Row>& rows, const std::vector<Row>& mo
 // Sections are read in this order: what is the default of later ones depends on there being a camera.
 const std::vector<SceneSection> section_table =
     joined(joined(joined(footage_sections, camera_sections()), shot_sections), effect_sections());
-const std::vector<Setting> setting_table = joined(joined(own_settings, effect_settings()), camera_settings());
+const std::vector<Setting> setting_table =
+    joined(joined(joined(own_settings, object_motion_settings()), effect_settings()), camera_settings());
 
 std::string_view type_name(SettingKind kind) {
     switch (kind) {

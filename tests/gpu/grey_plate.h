@@ -17,8 +17,8 @@ extern "C" {
 
 namespace matchlight::test {
 
-/// A 4:2:0 plate, whose frame number is 0.
-inline PlateFrame grey_plate(int width, int height, std::uint8_t luma = 120) {
+/// A 4:2:0 plate.
+inline PlateFrame grey_plate(int width, int height, std::uint8_t luma = 120, std::int64_t frame_number = 0) {
     AVFrame* raw = av_frame_alloc();
     raw->width = width;
     raw->height = height;
@@ -29,7 +29,7 @@ inline PlateFrame grey_plate(int width, int height, std::uint8_t luma = 120) {
         std::fill_n(raw->data[plane], static_cast<std::size_t>(raw->linesize[plane]) * height / 2, std::uint8_t{128});
     }
     const std::shared_ptr<AVFrame> samples(raw, [](AVFrame* frame) { av_frame_free(&frame); });
-    return {samples, plate_format_of(*samples, 0, {}, "grey plate"), 0, 0.0};
+    return {samples, plate_format_of(*samples, 0, {}, "grey plate"), frame_number, 0.0};
 }
 
 /// Half a metre before the objects and as much above them, looking at them: about where the sample's camera stood.

@@ -1,0 +1,85 @@
+// Loads models, finds what they stand on, moves those that move.
+#include "compositor/scene_objects.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "scene/model.h"
+#include "scene/subdivide.h"
+
+namespace matchlight {
+
+namespace {
+
+Eigen::Affine3d world_from_parent(const ObjectSettings& object, const Solve& solve,
+                                  const std::filesystem::path& scene) {
+    if (!object.parent_tag) return Eigen::Affine3d::Identity();
+    for (const SolvedTag& tag : solve.rig) {
+        if (tag.id == *object.parent_tag) return Eigen::Affine3d(tag.world_from_tag);
+    }
+    throw InputError(scene,
+                     fmt::format("object '{}' stands on tag {}, whose place the solve does not know", object.name,
+                                 *object.parent_tag),
+                     "track the clip again with that tag in the rig");
+}
+
+/// Shadows between objects are kept at vertices: a face is given some, about as many along a model as a small shadow
+/// needs. Larger meshes stay as they are, being fine already.
+void shorten_edges(Model& model) {
+    constexpr double edges_along_model = 48;
+    constexpr std::size_t most_vertices = 200'000;
+    const double longest_m = model.bounds_m.sizes().maxCoeff() / edges_along_model;
+    for (ModelMesh& mesh : model.meshes) mesh = with_short_edges(mesh, longest_m, most_vertices);
+}
+
+}  // namespace
+
+SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const Solve& solve, const ClipTime& time,
+                           bool fine_meshes, Warnings& warnings)
+    : surfaces_(surfaces) {
+    int id = 0;
+    for (const ObjectSettings& object : scene.objects) {
+        if (moves(object)) moving_.push_back(objects_.size());
+        objects_.push_back({object, world_from_parent(object, solve, scene.path)});
+        Model model = object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
+        if (fine_meshes) shorten_edges(model);
+        surfaces.add_object({.model = &model,
+                             .world_from_model = world_from_model(objects_.size() - 1, time),
+                             .material = object.material,
+                             .reflection = object.reflection,
+                             .id = ++id,
+                             .casts_shadow = object.casts_shadow});
+    }
+    place(time);
+}
+
+Eigen::Matrix4d SceneObjects::world_from_model(std::size_t object, const ClipTime& time) const {
+    const Object& placed = objects_.at(object);
+    return (placed.world_from_parent * object_placement(placed.settings, time)).matrix();
+}
+
+void SceneObjects::place(const ClipTime& time) {
+    placed_.clear();
+    for (const std::size_t object : moving_) {
+        placed_.push_back(world_from_model(object, time));
+        surfaces_.place_object(object, placed_.back());
+    }
+}
+
+PlacementChange SceneObjects::change_since_lit() const {
+    PlacementChange change;
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+        if (i < lit_.size() && placed_[i] == lit_[i]) continue;
+        change.any = true;
+        change.casters = change.casters || objects_[moving_[i]].settings.casts_shadow;
+    }
+    return change;
+}
+
+ClipTime time_of(const SolvedFrame& frame) {
+    return {.frame = static_cast<double>(frame.frame), .time_s = frame.time_s};
+}
+
+}  // namespace matchlight

@@ -1,0 +1,54 @@
+// The scene's objects on the GPU, where they stand at a time.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/warnings.h"
+#include "render/surface.h"
+#include "scene/object_motion.h"
+#include "scene/scene_file.h"
+#include "tracking/solve_file.h"
+
+namespace matchlight {
+
+/// What objects' moving from one placement to another changes.
+struct PlacementChange {
+    bool any = false;      // an object stands otherwise: what objects do to each other's light
+    bool casters = false;  // among them one that casts a shadow
+};
+
+class SceneObjects {
+public:
+    /// Loads the scene's objects into `surfaces`, which outlives this, as they stand at `time`. With `fine_meshes` long
+    /// edges are divided, so that shadows between objects, kept at vertices, show. Throws InputError.
+    SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const Solve& solve, const ClipTime& time,
+                 bool fine_meshes, Warnings& warnings);
+
+    bool any_moves() const { return !moving_.empty(); }
+    /// Puts every object that moves where it is at `time`.
+    void place(const ClipTime& time);
+    Eigen::Matrix4d world_from_model(std::size_t object, const ClipTime& time) const;
+
+    /// What the light's maps were made for: changed by place(), until they are made anew.
+    PlacementChange change_since_lit() const;
+    void mark_lit() { lit_ = placed_; }
+
+private:
+    struct Object {
+        ObjectSettings settings;
+        Eigen::Affine3d world_from_parent;
+    };
+    SurfaceRenderer& surfaces_;
+    std::vector<Object> objects_;
+    std::vector<std::size_t> moving_;      // indices of objects
+    std::vector<Eigen::Matrix4d> placed_;  // one a moving object
+    std::vector<Eigen::Matrix4d> lit_;
+};
+
+/// When a frame was exposed, at the middle of its exposure.
+ClipTime time_of(const SolvedFrame& frame);
+
+}  // namespace matchlight
