@@ -80,6 +80,7 @@ struct Compositor::Impl {
     LensMap lens_map;
     std::unique_ptr<CompositePass> composite_pass;
     SurfaceAccumulator accumulator{shaders};
+    GatherDefocus gather{shaders};
     CameraEffects effects;
     Response pq = Response::pq();
     Response hlg = Response::hlg();
@@ -299,6 +300,7 @@ FrameResources Compositor::Impl::resources() {
             .light = *light,
             .composite = *composite_pass,
             .accumulator = accumulator,
+            .gather = gather,
             .effects = effects,
             .camera = solve.camera,
             .quality = quality,

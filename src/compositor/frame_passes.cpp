@@ -96,7 +96,7 @@ GraphTexture FramePasses::add_surface(bool layers) {
     // What llvmpipe and GPUs alike hold as a target; wider views are drawn coarser.
     const double limit = std::min(8192, resources_.context.info().max_texture_size) - 2 * margin - 1;
     const Camera& camera = resources_.camera;
-    if (plan_.layer_effects.samples_lens()) {
+    if (plan_.layer_effects.any()) {
         const Eigen::Vector2d spread = plan_.layer_effects.spread_px() * Eigen::Vector2d(1 / camera.fx, 1 / camera.fy);
         bounds = {bounds.min() - spread, bounds.max() + spread};
     }
@@ -132,6 +132,11 @@ GraphTexture FramePasses::add_surface(bool layers) {
                     .bytes = bytes_a_sample * view.width * view.height * view.samples,
                     .draw = [this, view, pinhole, layers](PassRun&) {
                         layer_.picture = draw_surface(view, pinhole);
+                        layer_.hidden = {};
+                        if (plan_.layer_effects.needs_hidden(resources_.quality.depth_of_field)) {
+                            const ClipLight& lit = resources_.light;
+                            layer_.hidden = resources_.surfaces.draw_hidden(lit.environment(), view, lit.shading());
+                        }
                         if (!layers) return;
                         const SurfacePicture geometry = resources_.surfaces.draw_layers(view);
                         layer_.picture.depth_m = geometry.depth_m;
@@ -180,7 +185,9 @@ CompositeInput FramePasses::with_layer_effects(CompositeInput input) {
     input.blurred = add_layer_effects(resources_.graph,
                                       {.shaders = resources_.shaders,
                                        .composite = resources_.composite,
+                                       .gather = resources_.gather,
                                        .input = input,
+                                       .layer_density = layer_.fx / resources_.camera.fx,
                                        .objects = objects,
                                        .quality = resources_.quality.depth_of_field},
                                       effects);

@@ -37,6 +37,7 @@ struct FrameResources {
     ClipLight& light;
     CompositePass& composite;
     SurfaceAccumulator& accumulator;
+    GatherDefocus& gather;
     CameraEffects& effects;
     const Camera& camera;
     const Quality& quality;

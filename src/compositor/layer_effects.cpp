@@ -44,18 +44,43 @@ bool LayerEffectPlan::samples_lens() const {
     return defocus && defocus->settings.level == DepthOfFieldLevel::lens_samples;
 }
 
+bool LayerEffectPlan::needs_hidden(QualityLevel quality) const {
+    return defocus && defocus->settings.level == DepthOfFieldLevel::gather && gather_knobs(quality).hidden;
+}
+
+namespace {
+
+GraphTexture add_gather(RenderGraph& graph, const LayerEffectInput& input, const FrameDefocus& defocus) {
+    return input.gather.add(graph,
+                            {.layer_drawn = input.input.layer_drawn,
+                             .bind_layer = [&composite = input.composite, layer = input.input](
+                                               Program& program) { composite.set_layer(program, layer); },
+                             .region = input.objects,
+                             .layer_density = input.layer_density,
+                             .focus = input.input.optics.focus,
+                             .range = defocus.objects,
+                             .bokeh = defocus.settings.bokeh},
+                            gather_knobs(input.quality));
+}
+
+}  // namespace
+
 PlateLayer add_layer_effects(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan) {
     PlateLayer layer;
     if (!plan.any()) return layer;
     if (plan.defocus && !plan.samples_lens() && input.input.layer_drawn) {
-        const ResolvedLayer resolved = input.composite.add_resolved_layer(graph, input.input, input.objects);
-        layer.light = add_defocus(graph, input.shaders,
-                                  {.light = resolved.light,
-                                   .inverse_depth = resolved.inverse_depth,
-                                   .focus = input.input.optics.focus,
-                                   .range = plan.defocus->objects,
-                                   .bokeh = plan.defocus->settings.bokeh},
-                                  plan.defocus->settings.level, input.quality);
+        if (plan.defocus->settings.level == DepthOfFieldLevel::gather) {
+            layer.light = add_gather(graph, input, *plan.defocus);
+        } else {
+            const ResolvedLayer resolved = input.composite.add_resolved_layer(graph, input.input, input.objects);
+            layer.light = add_defocus(graph, input.shaders,
+                                      {.light = resolved.light,
+                                       .inverse_depth = resolved.inverse_depth,
+                                       .focus = input.input.optics.focus,
+                                       .range = plan.defocus->objects,
+                                       .bokeh = plan.defocus->settings.bokeh},
+                                      plan.defocus->settings.level, input.quality);
+        }
     }
     return layer;
 }

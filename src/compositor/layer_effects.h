@@ -6,6 +6,7 @@
 #include "compositor/focus.h"
 #include "gl/shader_library.h"
 #include "render/composite_pass.h"
+#include "render/effects/defocus_gather.h"
 #include "render/graph.h"
 #include "render/virtual_layer.h"
 #include "scene/effects.h"
@@ -27,12 +28,16 @@ struct LayerEffectPlan {
     double spread_px() const;
     /// Whether the layer is drawn from many points of the lens instead of being blurred afterwards.
     bool samples_lens() const;
+    /// Whether what the nearest surface hides is drawn, too.
+    bool needs_hidden(QualityLevel quality) const;
 };
 
 struct LayerEffectInput {
     ShaderLibrary& shaders;
     CompositePass& composite;
+    GatherDefocus& gather;
     const CompositeInput& input;  // with the layer as drawn
+    double layer_density = 1;     // layer pixels along a plate pixel
     Region objects;               // plate pixels that the blurred layer can reach
     QualityLevel quality = QualityLevel::final_;
 };

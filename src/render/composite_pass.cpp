@@ -126,6 +126,10 @@ void CompositePass::set_layer(Program& program, const CompositeInput& input) con
     program.set("lens_spacing", static_cast<float>(lens_spacing_));
     bind_or("layer", 3, picture.color, empty_);
     bind_or("layer_depth_share", 9, picture.depth_share, empty_);
+    program.set("near_m", near_plane_m);
+    program.set("hidden_present", layer.hidden.color != nullptr);
+    bind_or("hidden_layer", 12, layer.hidden.color, empty_);
+    bind_or("hidden_depth_share", 13, layer.hidden.depth_share, empty_);
     if (!input.layers) return;
     bind_or("layer_normal", 6, picture.normal, empty_);
     bind_or("layer_depth_m", 7, picture.depth_m, empty_);
@@ -173,7 +177,6 @@ ResolvedLayer CompositePass::add_resolved_layer(RenderGraph& graph, const Compos
                                                                       shaders_.full_screen("composite/resolve.frag");
                                                                   program.use();
                                                                   set_layer(program, input);
-                                                                  program.set("near_m", near_plane_m);
                                                                   run.draw(program);
                                                               }});
     return {written[0], written[1]};

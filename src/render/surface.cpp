@@ -46,6 +46,8 @@ struct SurfaceRenderer::Targets {
     Framebuffer multisampled;
     Texture2D color, depth;  // depth only where nothing is multisampled
     Framebuffer resolved;
+    Texture2D hidden_color, hidden_depth;
+    Framebuffer hidden;
     Texture2D layer_depth_m, layer_normal, layer_id, layer_depth;
     Framebuffer layers;
 
@@ -86,6 +88,15 @@ struct SurfaceRenderer::Targets {
             multisampled = Framebuffer({multisampled_color}, multisampled_depth);
         }
     }
+    void fit_hidden(const SurfaceView& view) {
+        if (holds(hidden_color, view, 0)) return;
+        TextureShape shape = shape_for(hidden_color, view);
+        shape.format = color_format;
+        hidden_color = Texture2D(shape);
+        shape.format = depth_format;
+        hidden_depth = Texture2D(shape);
+        hidden = Framebuffer({hidden_color}, hidden_depth);
+    }
     void fit_layers(const SurfaceView& view) {
         if (holds(layer_depth_m, view, 0)) return;
         TextureShape shape = shape_for(layer_depth_m, view);
@@ -102,6 +113,9 @@ struct SurfaceRenderer::Targets {
 };
 
 namespace {
+
+/// After those of the environment, the material and the shading.
+constexpr GLuint nearest_depth_unit = 15;
 
 /// Clears obey the scissor: the targets may be much larger than the view.
 void begin_clearing(const Region& region) {
@@ -228,7 +242,7 @@ void SurfaceRenderer::draw_mesh(Program& program, const SurfaceView& view, const
     }
 }
 
-void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, bool for_layers) const {
+void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Drawn drawn) const {
     struct Blended {
         const Object* object;
         const Mesh* mesh;
@@ -247,7 +261,9 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, boo
     for (const Object& object : objects_) {
         place(object);
         for (const Mesh& mesh : object.meshes) {
-            if (object.material_of(mesh).blends() && !for_layers) {
+            const bool blends = object.material_of(mesh).blends();
+            if (blends && drawn == Drawn::hidden_light) continue;
+            if (blends && drawn == Drawn::light) {
                 const double distance_m = (object.bounds_of(mesh).center() - view.eye_world_m).norm();
                 blended.push_back({&object, &mesh, distance_m});
             } else {
@@ -264,13 +280,12 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, boo
     leave_state();
 }
 
-SurfacePicture SurfaceRenderer::draw(const Environment& environment, const SurfaceView& view,
-                                     const SurfaceShading& shading) {
-    assert(view.width > 0 && view.height > 0 && view.samples > 0);
-    const int samples = std::min(view.samples, current_gl_context()->info().max_samples);
-    targets_->fit_color(view, samples);
-    Program& program =
-        shaders_.program({{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}});
+Program& SurfaceRenderer::light_program(const Environment& environment, const SurfaceView& view,
+                                        const SurfaceShading& shading, Drawn drawn) {
+    ShaderDefines defines;
+    if (drawn == Drawn::hidden_light) defines["BEHIND_NEAREST"] = "1";
+    Program& program = shaders_.program(
+        {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}}, defines);
     program.use();
     program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));
     environment.bind(program);
@@ -279,7 +294,15 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     if (shading.bind) shading.bind(program);
     // Meshes without baked visibility see all the light.
     glVertexAttrib4f(5, 1, 1, 1, 1);
+    return program;
+}
 
+SurfacePicture SurfaceRenderer::draw(const Environment& environment, const SurfaceView& view,
+                                     const SurfaceShading& shading) {
+    assert(view.width > 0 && view.height > 0 && view.samples > 0);
+    const int samples = std::min(view.samples, current_gl_context()->info().max_samples);
+    targets_->fit_color(view, samples);
+    Program& program = light_program(environment, view, shading, Drawn::light);
     const Region region{0, 0, view.width, view.height};
     const Framebuffer& target = samples > 1 ? targets_->multisampled : targets_->resolved;
     target.bind(region);
@@ -287,12 +310,32 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     target.clear_color(0, 0, 0, 0, 0);
     target.clear_depth();
     glDisable(GL_SCISSOR_TEST);
-    draw_meshes(program, view, false);
+    draw_meshes(program, view, Drawn::light);
     if (samples > 1) target.resolve_color_to(targets_->resolved, region);
     return {.width = view.width,
             .height = view.height,
             .color = &targets_->color,
             .depth_share = samples > 1 ? nullptr : &targets_->depth};
+}
+
+SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, const SurfaceView& view,
+                                            const SurfaceShading& shading) {
+    assert(targets_->depth && Targets::holds(targets_->color, view, 0));
+    targets_->fit_hidden(view);
+    Program& program = light_program(environment, view, shading, Drawn::hidden_light);
+    program.bind_texture("nearest_depth_share", nearest_depth_unit, targets_->depth);
+    const Region region{0, 0, view.width, view.height};
+    const Framebuffer& target = targets_->hidden;
+    target.bind(region);
+    begin_clearing(region);
+    target.clear_color(0, 0, 0, 0, 0);
+    target.clear_depth();
+    glDisable(GL_SCISSOR_TEST);
+    draw_meshes(program, view, Drawn::hidden_light);
+    return {.width = view.width,
+            .height = view.height,
+            .color = &targets_->hidden_color,
+            .depth_share = &targets_->hidden_depth};
 }
 
 SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
@@ -310,7 +353,7 @@ SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
     target.clear_color_integer(2, 0);
     target.clear_depth();
     glDisable(GL_SCISSOR_TEST);
-    draw_meshes(program, view, true);
+    draw_meshes(program, view, Drawn::layers);
     return {.width = view.width,
             .height = view.height,
             .depth_m = &targets_->layer_depth_m,

@@ -83,6 +83,10 @@ public:
     Eigen::AlignedBox3d shadow_caster_bounds_m() const;
 
     SurfacePicture draw(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading = {});
+    /// What draw() found hidden behind the nearest opaque surface, with its depth: the next one. The view is draw()'s,
+    /// without multisampling.
+    SurfacePicture draw_hidden(const Environment& environment, const SurfaceView& view,
+                               const SurfaceShading& shading = {});
     /// Depth, normal and object id, one sample a pixel; the colour of the picture is null.
     SurfacePicture draw_layers(const SurfaceView& view);
 
@@ -104,7 +108,11 @@ private:
     struct Object;
     struct Targets;
 
-    void draw_meshes(Program& program, const SurfaceView& view, bool for_layers) const;
+    enum class Drawn { light, hidden_light, layers };
+    /// The program for light, with what it reads set.
+    Program& light_program(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading,
+                           Drawn drawn);
+    void draw_meshes(Program& program, const SurfaceView& view, Drawn drawn) const;
     void draw_mesh(Program& program, const SurfaceView& view, const Object& object, const Mesh& mesh) const;
 
     ShaderLibrary& shaders_;

@@ -13,6 +13,7 @@ inline constexpr double near_plane_m = 0.01;
 /// The virtual layer as drawn: a pinhole picture without distortion, finer than the plate.
 struct VirtualLayer {
     SurfacePicture picture;                 // colour null where nothing is in view
+    SurfacePicture hidden;                  // what the nearest surface hides; colour null unless asked for
     double fx = 0, fy = 0, cx = 0, cy = 0;  // of its own pixels, centres at whole numbers
 };
 

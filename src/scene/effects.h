@@ -120,6 +120,7 @@ struct BokehSettings {
     double roundness = 0;  // 0: straight blades; 1: a circle
 
     void check() const;
+    bool operator==(const BokehSettings&) const = default;
 };
 
 /// A thin lens: what is not at the focus distance becomes a disc of the circle of confusion.

@@ -1,0 +1,43 @@
+#version 450 core
+// Every texel collects what the discs of its neighbours send it.
+
+#include "common/graph.glsl"
+
+uniform sampler2D light_share;
+uniform sampler2D discs;
+uniform ivec4 discs_region;
+uniform sampler2D widest;
+uniform ivec4 widest_region;
+uniform int tile_texels;
+uniform vec4 taps[TAPS];        // offset in texels, distance in units of the disc's radius; nearest first
+
+layout(location = 0) out vec4 light;      // premultiplied
+layout(location = 1) out float required;  // coverage that the discs' surroundings leave no doubt about
+
+void main() {
+    ivec2 texel = target_texel();
+    light = vec4(0.0);
+    required = 0.0;
+    ivec2 tile = ivec2(floor(vec2(texel) / float(tile_texels)));
+    float reach = 0.0;
+    for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) reach = max(reach, fetch_or_zero(widest, widest_region, tile + ivec2(x, y)).r);
+    if (reach == 0.0) return;
+
+    ivec2 place = texel - discs_region.xy;
+    float own = texelFetch(discs, place, 0).r;
+    float seen = 0.0, covered = 0.0;
+    for (int i = 0; i < TAPS; ++i) {
+        float distance = taps[i].z - 0.5;
+        if (distance > reach) break;
+        ivec2 there = place + ivec2(taps[i].xy);
+        vec2 disc = texelFetch(discs, there, 0).rg;
+        light += clamp(disc.r - distance, 0.0, 1.0) * texelFetch(light_share, there, 0);
+        float share = clamp(own - distance, 0.0, 1.0);
+        seen += share;
+        covered += share * disc.g;
+    }
+    // Behind a texel's own disc there is nothing empty where all that it spans is covered: what is missing there is
+    // hidden from the picture, not absent.
+    if (own > 0.0) required = covered / seen;
+}

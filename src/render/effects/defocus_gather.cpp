@@ -1,0 +1,273 @@
+// Passes of every class, then their composition.
+#include "render/effects/defocus_gather.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "render/effects/defocus_kernel.h"
+
+namespace matchlight {
+
+namespace {
+
+constexpr int mask_tile_px = 16;
+constexpr int tile_texels = 8;
+/// Beside those of the layer (CompositePass::set_layer) and of the pass before.
+constexpr std::array<GLuint, 6> free_units{4, 5, 6, 7, 8, 10};
+constexpr double disc_step_texels = 1.0 / 16;
+/// Lenses bend: a disc may be drawn this much larger than a straight lens has it.
+constexpr double most_magnification = 1.25;
+
+/// 0: sharp; 1: narrower than the first class; then doubling (fragments.glsl).
+int class_of(double coc_px, double first_class_px) {
+    const double width = std::abs(coc_px);
+    if (width < least_coc_px) return 0;
+    if (width < first_class_px) return 1;
+    return 2 + static_cast<int>(std::floor(std::log2(width / first_class_px)));
+}
+
+struct ClassPicture {
+    GraphTexture light, required;
+    int scale = 1;
+};
+
+}  // namespace
+
+void GatherKnobs::check() const {
+    if (!(first_class_px >= 2 && first_class_px <= 16))
+        throw std::invalid_argument(fmt::format("gather first_class_px is {}, not from 2 to 16", first_class_px));
+    if (finest_texel_px != 1 && finest_texel_px != 2)
+        throw std::invalid_argument(fmt::format("gather finest_texel_px is {}, not 1 or 2", finest_texel_px));
+}
+
+GatherKnobs gather_knobs(QualityLevel quality) {
+    switch (quality) {
+        case QualityLevel::draft:
+            return {.first_class_px = 4, .hidden = false};
+        case QualityLevel::preview:
+            return {.first_class_px = 6, .hidden = true};
+        case QualityLevel::reference:
+            return {.first_class_px = 16, .hidden = true, .full_float = true};
+        case QualityLevel::final_:
+            break;
+    }
+    return {};
+}
+
+double widest_gathered_coc_px(int frame_width, int frame_height) {
+    return 2 * std::hypot(frame_width, frame_height);
+}
+
+class GatherDefocus::Passes {
+public:
+    Passes(RenderGraph& graph, ShaderLibrary& shaders, const Texture2D& discs, const GatherInput& input,
+           const GatherKnobs& knobs)
+        : graph_(graph), shaders_(shaders), discs_(discs), input_(input), knobs_(knobs) {
+        const Region frame = graph.frame();
+        largest_px_ = widest_gathered_coc_px(frame.width, frame.height);
+        near_classes_ = input.range.nearest_px < 0 ? classes_to(input.range.nearest_px) : 0;
+        far_classes_ = input.range.farthest_px > 0 ? classes_to(input.range.farthest_px) : 0;
+        class_count_ = std::max(near_classes_, far_classes_);
+    }
+
+    GraphTexture add() {
+        const Region spread = input_.region.grown(static_cast<int>(std::ceil(farthest_read_px())));
+        add_mask(spread);
+        std::vector<ClassPicture> before, beyond;  // each from the nearest to the farthest
+        for (int k = near_classes_; k >= 1; --k) before.push_back(add_class(-k));
+        for (int k = 1; k <= far_classes_; ++k) beyond.push_back(add_class(k));
+        return add_composition(before, beyond);
+    }
+
+private:
+    int classes_to(double coc_px) const {
+        return class_of(std::clamp(coc_px, -largest_px_, largest_px_), knobs_.first_class_px);
+    }
+    int texel_px_of(int own_class) const { return knobs_.finest_texel_px << (std::abs(own_class) - 1); }
+    /// Of the drawn discs, and a texel for who magnifies the class.
+    int reach_texels() const {
+        return static_cast<int>(std::ceil(most_magnification * knobs_.first_class_px / 2 / knobs_.finest_texel_px)) + 2;
+    }
+    double farthest_read_px() const { return (reach_texels() + 2.0) * texel_px_of(std::max(class_count_, 1)); }
+
+    void bind_fragments(Program& program) const {
+        input_.bind_layer(program);
+        program.set("coc_scale_px_m", input_.focus.coc_scale_px_m);
+        program.set("focus_per_m", 1 / input_.focus.focus_distance_m);
+        program.set("largest_coc_px", largest_px_);
+        program.set("least_coc_px", least_coc_px);
+        program.set("first_class_px", knobs_.first_class_px);
+        program.set("layer_density", input_.layer_density);
+        const Region frame = graph_.frame();
+        program.set("frame_px", Eigen::Vector2f(static_cast<float>(frame.width), static_cast<float>(frame.height)));
+    }
+
+    void add_mask(const Region& spread) {
+        mask_ = graph_.add_pass({.name = "defocus/mask",
+                                 .reads = {{input_.layer_drawn}},
+                                 .writes = {GL_R32F},
+                                 .scale = mask_tile_px,
+                                 .region = texels_of(spread, mask_tile_px),
+                                 .beyond_frame = true,
+                                 .draw = [this_ = *this](PassRun& run) {
+                                     Program& program =
+                                         this_.shaders_.full_screen("effects/depth_of_field/gather_mask.frag");
+                                     program.use();
+                                     this_.bind_fragments(program);
+                                     program.set("tile_px", mask_tile_px);
+                                     program.set("class_count", this_.class_count_);
+                                     run.draw(program);
+                                 }})[0];
+    }
+
+    ClassPicture add_class(int own_class) {
+        const int texel_px = texel_px_of(own_class);
+        const std::string name = fmt::format("defocus/{} {}", own_class < 0 ? "near" : "far", std::abs(own_class));
+        const Region target = texels_of(input_.region, texel_px).grown(1);
+        const GLenum wide = knobs_.full_float ? GL_RGBA32F : GL_RGBA16F;
+        const GLenum narrow = knobs_.full_float ? GL_RG32F : GL_RG16F;
+        const std::vector<GraphTexture> binned =
+            graph_.add_pass({.name = name + " sorted",
+                             .reads = {{input_.layer_drawn}, {mask_}},
+                             .writes = {wide, narrow},
+                             .scale = texel_px,
+                             .region = target.grown(reach_texels()),
+                             .beyond_frame = true,
+                             .draw = [this_ = *this, own_class, texel_px](PassRun& run) {
+                                 Program& program =
+                                     this_.shaders_.full_screen("effects/depth_of_field/gather_bin.frag");
+                                 program.use();
+                                 this_.bind_fragments(program);
+                                 run.bind(program, "classes", 0, this_.mask_);
+                                 program.bind_texture("kernels", 2, this_.discs_);
+                                 program.set("tile_px", mask_tile_px);
+                                 program.set("class_count", this_.class_count_);
+                                 program.set("own_class", own_class);
+                                 program.set("texel_px", texel_px);
+                                 program.set("kernel_step", disc_step_texels);
+                                 program.set("kernel_row", static_cast<int>(std::lround(std::log2(texel_px))));
+                                 run.draw(program);
+                             }});
+        const GraphTexture discs = binned[1];
+        const GraphTexture widest =
+            graph_.add_pass({.name = name + " tiles",
+                             .reads = {{discs}},
+                             .writes = {GL_R16F},
+                             .scale = texel_px * tile_texels,
+                             .region = texels_of(graph_.shape(discs).region, tile_texels),
+                             .beyond_frame = true,
+                             .draw = [&shaders = shaders_, discs](PassRun& run) {
+                                 Program& program = shaders.full_screen("effects/depth_of_field/gather_tiles.frag");
+                                 program.use();
+                                 run.bind(program, "discs", 0, discs);
+                                 program.set("tile_texels", tile_texels);
+                                 run.draw(program);
+                             }})[0];
+        std::vector<Eigen::Vector4f> taps;
+        for (const DiscTap& tap : disc_taps(input_.bokeh, reach_texels() - 2.0, own_class < 0)) {
+            taps.emplace_back(static_cast<float>(tap.offset.x()), static_cast<float>(tap.offset.y()),
+                              static_cast<float>(tap.distance), 0.0F);
+        }
+        const std::vector<GraphTexture> gathered =
+            graph_.add_pass({.name = name,
+                             .reads = {{binned[0]}, {discs}, {widest}},
+                             .writes = {wide, GL_R16F},
+                             .scale = texel_px,
+                             .region = target,
+                             .beyond_frame = true,
+                             .draw = [&shaders = shaders_, light_share = binned[0], discs, widest, taps](PassRun& run) {
+                                 Program& program = shaders.full_screen("effects/depth_of_field/gather.frag",
+                                                                        {{"TAPS", fmt::format("{}", taps.size())}});
+                                 program.use();
+                                 run.bind(program, "light_share", 0, light_share);
+                                 run.bind(program, "discs", 1, discs);
+                                 run.bind(program, "widest", 2, widest);
+                                 program.set("tile_texels", tile_texels);
+                                 program.set("taps", std::span<const Eigen::Vector4f>(taps));
+                                 run.draw(program);
+                             }});
+        return {gathered[0], gathered[1], texel_px};
+    }
+
+    /// As many classes a pass as there are texture units for, with those that the layer takes.
+    GraphTexture add_composition(const std::vector<ClassPicture>& before, const std::vector<ClassPicture>& beyond) {
+        constexpr std::size_t most_classes = free_units.size() / 2;
+        std::vector<ClassPicture> all = before;
+        all.insert(all.end(), beyond.begin(), beyond.end());
+        std::vector<GraphTexture> sum(2);
+        bool sharp_done = false;
+        std::size_t first = 0;
+        do {
+            const std::size_t count = std::min(most_classes, all.size() - first);
+            const std::vector<ClassPicture> classes(all.begin() + static_cast<std::ptrdiff_t>(first),
+                                                    all.begin() + static_cast<std::ptrdiff_t>(first + count));
+            int sharp_place = -1;
+            if (!sharp_done && before.size() <= first + count) {
+                sharp_place = static_cast<int>(before.size() - first);
+                sharp_done = true;
+            }
+            first += count;
+            GraphPass pass{.name = "defocus/over",
+                           .reads = {{input_.layer_drawn}, {sum[0]}, {sum[1]}},
+                           .writes = {GL_RGBA32F, GL_R16F},
+                           .region = input_.region};
+            for (const ClassPicture& one : classes) pass.reads.insert(pass.reads.end(), {{one.light}, {one.required}});
+            pass.draw = [this_ = *this, sum, classes, sharp_place, is_last = first == all.size()](PassRun& run) {
+                Program& program = this_.shaders_.full_screen("effects/depth_of_field/gather_combine.frag",
+                                                              {{"CLASSES", fmt::format("{}", classes.size())}});
+                program.use();
+                this_.bind_fragments(program);
+                run.bind(program, "before", 0, sum[0]);
+                run.bind(program, "before_required", 2, sum[1]);
+                program.set("sharp_place", sharp_place);
+                program.set("is_last", is_last);
+                for (std::size_t i = 0; i < classes.size(); ++i) {
+                    run.bind(program, fmt::format("class{}", i), free_units[2 * i], classes[i].light);
+                    run.bind(program, fmt::format("required{}", i), free_units[2 * i + 1], classes[i].required);
+                }
+                run.draw(program);
+            };
+            sum = graph_.add_pass(std::move(pass));
+        } while (first < all.size() || !sharp_done);
+        return sum[0];
+    }
+
+    static Region texels_of(const Region& pixels, int texel_px) {
+        const auto down = [&](int value) {
+            return static_cast<int>(std::floor(static_cast<double>(value) / texel_px));
+        };
+        const int left = down(pixels.x), top = down(pixels.y);
+        return {left, top, down(pixels.x + pixels.width - 1) + 1 - left, down(pixels.y + pixels.height - 1) + 1 - top};
+    }
+
+    RenderGraph& graph_;
+    ShaderLibrary& shaders_;
+    const Texture2D& discs_;
+    GatherInput input_;
+    GatherKnobs knobs_;
+    double largest_px_ = 0;
+    int near_classes_ = 0, far_classes_ = 0, class_count_ = 0;
+    GraphTexture mask_;
+};
+
+GraphTexture GatherDefocus::add(RenderGraph& graph, const GatherInput& input, const GatherKnobs& knobs) {
+    knobs.check();
+    const double radius = most_magnification * knobs.first_class_px / 2 / knobs.finest_texel_px;
+    constexpr int rows = 16;  // texels of 2^15 pixels: wider than any frame
+    if (!discs_ || discs_radius_ != radius || discs_bokeh_ != input.bokeh) {
+        const ImageF table = disc_table(input.bokeh, radius, disc_step_texels, rows);
+        discs_ = Texture2D({.format = GL_RG32F, .width = table.width(), .height = table.height()});
+        discs_.upload(table);
+        discs_radius_ = radius;
+        discs_bokeh_ = input.bokeh;
+    }
+    return Passes(graph, shaders_, discs_, input, knobs).add();
+}
+
+}  // namespace matchlight

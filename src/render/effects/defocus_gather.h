@@ -1,0 +1,66 @@
+// Depth of field by gathering: classes of circles before and beyond the focus, each at a resolution of its own.
+//
+// The layer's points are sorted by the width of their circle into classes that double from one to the next, on either
+// side of the focus; what hides behind the nearest surface is drawn, too. Each class scatters by gathering (a texel
+// collects what its neighbours' discs send it, each disc sharing its light evenly) on texels as coarse as its discs
+// allow, no farther than the widest disc near by. Then the classes go over each other from near to far: signed circles
+// grow with depth, so classes are slices of depth. Coverages add up, so that a surface that crosses classes has no
+// seam. After the near and far fields of Jimenez 2014, "Next Generation Post Processing in Call of Duty: Advanced
+// Warfare", and the slices of Kraus & Strengert 2007, "Depth-of-Field Rendering by Pyramidal Image Processing".
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "gl/objects.h"
+#include "gl/shader_library.h"
+#include "render/effects/depth_of_field.h"
+#include "render/graph.h"
+#include "scene/scene_file.h"
+
+namespace matchlight {
+
+/// What trades error for time.
+struct GatherKnobs {
+    double first_class_px = 8;  // circles narrower than this are gathered at full resolution, from 2
+    int finest_texel_px = 1;    // plate pixels along the finest texel: 1 or 2
+    bool hidden = true;         // draw what the nearest surface hides
+    bool full_float = false;    // textures of 32 bits a channel instead of 16
+
+    /// Throws std::invalid_argument naming what is out of range.
+    void check() const;
+};
+GatherKnobs gather_knobs(QualityLevel quality);
+
+struct GatherInput {
+    GraphTexture layer_drawn;                  // what the layer's pass provides
+    std::function<void(Program&)> bind_layer;  // uniforms of common/lens_map.glsl, composite/layer.glsl and
+                                               // effects/depth_of_field/fragments.glsl but for those of the focus
+    Region region;                             // plate pixels that the blurred layer can reach
+    double layer_density = 1;                  // layer pixels along a plate pixel
+    Focus focus;
+    CocRange range;
+    BokehSettings bokeh;
+};
+
+/// Widest circle that is drawn, in plate pixels: wider ones, which cover the frame from any place in it, are as this.
+double widest_gathered_coc_px(int frame_width, int frame_height);
+
+class GatherDefocus {
+public:
+    explicit GatherDefocus(ShaderLibrary& shaders) : shaders_(shaders) {}
+
+    /// RGBA32F over the region: premultiplied radiance in probe units, coverage. Points whose circle is narrower than
+    /// least_coc_px stay where they are, bit for bit.
+    GraphTexture add(RenderGraph& graph, const GatherInput& input, const GatherKnobs& knobs);
+
+private:
+    class Passes;
+
+    ShaderLibrary& shaders_;
+    Texture2D discs_;  // disc_table() of the settings last used
+    BokehSettings discs_bokeh_;
+    double discs_radius_ = 0;
+};
+
+}  // namespace matchlight
