@@ -176,6 +176,8 @@ SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeV
 
 CompositeInput FramePasses::with_layer_effects(CompositeInput input) {
     const LayerEffectPlan& effects = plan_.layer_effects;
+    if (!effects.defocus && resources_.effects.settings().depth_of_field)
+        resources_.graph.leave_out("depth of field", "no circle of confusion is a quarter of a pixel wide");
     if (!effects.any()) return input;
     constexpr int margin_px = 2;
     const int spread_px = static_cast<int>(std::ceil(effects.spread_px()));

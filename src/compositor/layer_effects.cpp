@@ -37,7 +37,21 @@ GraphTexture add_defocus(RenderGraph& graph, ShaderLibrary& shaders, const Defoc
 }  // namespace
 
 double LayerEffectPlan::spread_px() const {
-    return defocus ? defocus->objects.widest_px() / 2 : 0;
+    if (!defocus) return 0;
+    const double widest_px = defocus->objects.widest_px();
+    switch (defocus->settings.level) {
+        case DepthOfFieldLevel::layers:
+        case DepthOfFieldLevel::mipmap:
+        case DepthOfFieldLevel::diffusion:
+            // On coarser texels, or without an edge: four standard deviations of the disc.
+            return widest_px;
+        case DepthOfFieldLevel::gather:
+        case DepthOfFieldLevel::two_pass:
+        case DepthOfFieldLevel::one_pass:
+        case DepthOfFieldLevel::lens_samples:
+            break;
+    }
+    return widest_px / 2;
 }
 
 bool LayerEffectPlan::samples_lens() const {

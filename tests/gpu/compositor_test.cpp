@@ -204,5 +204,33 @@ TEST_F(CompositorTest, AnObjectBeforeALampTakesTheLampsBloomAway) {
     EXPECT_GT(dimmed, 500) << "around the black ball the plate loses a part of its glow";
 }
 
+TEST_F(CompositorTest, DepthOfFieldWhereAllIsInFocus) {
+    Shot shot = make_shot();
+    const CompositedFrame plain = composite(shot, true);
+    DepthOfFieldSettings& settings = shot.scene.effects.depth_of_field.emplace();
+    settings.focus_distance_m = 0.6;
+    settings.coc_scale_px_m = 0.2;
+    expect_same_without(shot, "resolve");
+    Warnings warnings;
+    warnings.set_quiet(true);
+    Compositor whole(context(), shot.scene, shot.solve, {.quality = shot.scene.quality, .leave_out = false}, warnings);
+    for (const DepthOfFieldLevel level :
+         {DepthOfFieldLevel::two_pass, DepthOfFieldLevel::one_pass, DepthOfFieldLevel::layers,
+          DepthOfFieldLevel::mipmap, DepthOfFieldLevel::diffusion}) {
+        settings.level = level;
+        const auto drawn = [&](double coc_scale_px_m) {
+            settings.coc_scale_px_m = coc_scale_px_m;
+            whole.set_effects(shot.scene.effects);
+            CompositedFrame frame = whole.composite(test::grey_plate(320, 180, plate_luma_));
+            reports_ = whole.reports();
+            EXPECT_TRUE(was_drawn("depth of field/circles")) << static_cast<int>(level);
+            return frame;
+        };
+        const CompositedFrame sharp = drawn(0.2), blurred = drawn(20);
+        EXPECT_TRUE(std::ranges::equal(sharp.rgb16().samples(), plain.rgb16().samples())) << static_cast<int>(level);
+        EXPECT_FALSE(std::ranges::equal(blurred.rgb16().samples(), plain.rgb16().samples())) << static_cast<int>(level);
+    }
+}
+
 }  // namespace
 }  // namespace matchlight

@@ -1,6 +1,7 @@
 // What all post-process methods of depth of field hold to, and each against its double-precision reference.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 
 #include "defocus_frame.h"
@@ -75,6 +76,28 @@ TEST_F(DefocusMethodsTest, NothingStaysNothing) {
     }
 }
 
+TEST_F(DefocusMethodsTest, WhatIsInFocusNeitherLeaksNorTakesFromBehind) {
+    DefocusImages images(130, 110);
+    for (int y = 0; y < 110; ++y) {
+        for (int x = 0; x < 130; ++x) {
+            const bool near = x >= 50 && x < 80 && y >= 40 && y < 70;
+            images.set(x, y, near ? 1e4 + x : 0.25, near ? 0 : 17);
+        }
+    }
+    for (const Method& method : methods) {
+        const ImageF result = run(method, images);
+        for (int y = 0; y < 110; ++y) {
+            for (int x = 0; x < 130; ++x) {
+                if (images.coc_px.at(x, y) == 0) {
+                    ASSERT_EQ(result.at(x, y), images.light.at(x, y)) << method.name;
+                } else {
+                    ASSERT_LE(result.at(x, y), 0.25F * (1 + 1e-5F)) << method.name;
+                }
+            }
+        }
+    }
+}
+
 TEST_F(DefocusMethodsTest, AFlatSurfaceStaysFlatWhereItIsWhole) {
     for (const Method& method : methods) {
         DefocusImages images(120, 100);
@@ -145,6 +168,59 @@ TEST_F(DefocusMethodsTest, TwoPassAgreesWithItsReference) {
         const ImageD expected = reference_two_pass(images, 64);
         EXPECT_LT(worst_difference(run(method("two_pass"), images), expected), 2e-4) << widest_px;
     }
+}
+
+/// Share of a point's light that is not where a disc has it: half of the absolute difference, of 1.
+template <class Picture>
+double misplaced(const Picture& picture, int x, int y, double coc_px) {
+    ImageD disc(picture.width(), picture.height(), 1);
+    double area = 0;
+    for (const DefocusTap& tap : bokeh_taps({}, coc_px / 2, false)) {
+        disc.at(x + tap.x, y + tap.y) = tap.area_px2;
+        area += tap.area_px2;
+    }
+    double difference = 0;
+    for (int v = 0; v < picture.height(); ++v) {
+        for (int u = 0; u < picture.width(); ++u)
+            difference += std::abs(picture.at(u, v, 3) - disc.at(u, v) / area) / 2;
+    }
+    return difference;
+}
+
+TEST_F(DefocusMethodsTest, APointIsADiscToSomeAndNotToOthers) {
+    constexpr double coc_px = 32;
+    DefocusImages images(121, 121);
+    images.set(60, 60, 1, coc_px);
+    const auto misplaced_by = [&](const char* name, QualityLevel quality) {
+        return misplaced(run(method(name), images, quality), 60, 60, coc_px);
+    };
+    // Two passes make a square around the disc, whose corners hold 1 − π/4.
+    EXPECT_NEAR(misplaced_by("two_pass", QualityLevel::final_), 1 - std::numbers::pi / 4, 0.01);
+    EXPECT_NEAR(misplaced(reference_two_pass(images, 64), 60, 60, coc_px), 1 - std::numbers::pi / 4, 0.01);
+    // A gather over every pixel has but the rim's softness to answer for; rings have gaps.
+    const std::vector<DefocusTap> all = disc_taps(coc_px / 2);
+    EXPECT_LT(misplaced(reference_one_pass(images, all, 64), 60, 60, coc_px), 0.02);
+    EXPECT_LT(misplaced_by("one_pass", QualityLevel::reference), 0.1);
+    EXPECT_GT(misplaced_by("one_pass", QualityLevel::final_), 0.3);
+    // A slice has the circle of its middle: half a slice's width of 32/32 and 32/12 px is at stake along the rim.
+    EXPECT_LT(misplaced_by("layers", QualityLevel::reference), 2 * 0.5 / coc_px);
+    EXPECT_LT(misplaced_by("layers", QualityLevel::final_), 2 * 1.34 / coc_px + 0.01);
+    for (const char* name : {"mipmap", "diffusion"}) EXPECT_GT(misplaced_by(name, QualityLevel::final_), 0.2) << name;
+}
+
+TEST_F(DefocusMethodsTest, TwoPassHardlySpreadsOverWhatIsInFocus) {
+    DefocusImages images(61, 61);
+    for (int y = 0; y < 61; ++y) {
+        for (int x = 0; x < 61; ++x) images.set(x, y, 0, 0);
+    }
+    images.set(30, 30, 1, -16);
+    const ImageF result = run(method("two_pass"), images);
+    EXPECT_LT(worst_difference(result, reference_two_pass(images, 64)), 1e-5);
+    // Nothing else reaches the point's own pixel, so that it stays; beside it, a pixel in focus outweighs it by
+    // (8/½)² in each pass. The lens would leave 1/64 at most anywhere.
+    EXPECT_GT(result.at(30, 30), 0.9);
+    EXPECT_NEAR(result.at(33, 30), 1.0 / 257, 1e-4);
+    EXPECT_LT(result.at(33, 33), 1e-4);
 }
 
 TEST_F(DefocusMethodsTest, OnePassAgreesWithItsReference) {
