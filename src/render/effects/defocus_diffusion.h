@@ -1,9 +1,9 @@
 // Depth of field as heat that spreads, the circles of confusion its conductivity (Kass, Lefohn & Owens 2006,
 // "Interactive Depth of Field Using Simulated Diffusion").
 //
-// As dear for wide circles as for narrow ones, and what is in focus keeps all of its light and takes none; but a point
-// becomes a peak with exponential slopes, not a disc, and what is before the focus does not spread over what is in it.
-// The double-precision reference is report/defocus_reference.h.
+// The cheapest, for wide circles as for narrow ones, and what is in focus keeps all of its light and takes none; but a
+// point becomes a peak with exponential slopes, not a disc, and what is before the focus does not spread over what is
+// in it. The double-precision reference is report/defocus_reference.h.
 #pragma once
 
 #include "gl/shader_library.h"

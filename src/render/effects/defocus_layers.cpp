@@ -1,7 +1,9 @@
 // Slice by slice, from the farthest: cut out, blur, put before the rest.
 #include "render/effects/defocus_layers.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <stdexcept>
 
@@ -13,6 +15,8 @@
 namespace matchlight {
 
 namespace {
+
+constexpr int tile_texels = 8;  // as wide as the circles of `final`: nine tiles tell what one can reach
 
 class Slices {
 public:
@@ -65,14 +69,34 @@ private:
         return graph_.add_pass(std::move(pass)).front();
     }
 
+    GraphTexture add_tiles(GraphTexture slice) {
+        Program& program = shaders_.full_screen("effects/depth_of_field/slice_tiles.frag");
+        GraphPass pass = new_pass("slice tiles", graph_.shape(slice).scale * tile_texels);
+        pass.reads = {{slice}};
+        pass.writes = {GL_R8};
+        pass.draw = [&program, slice](PassRun& run) {
+            program.use();
+            run.bind(program, "slice", 0, slice);
+            program.set("tile", tile_texels);
+            run.draw(program);
+        };
+        return graph_.add_pass(std::move(pass)).front();
+    }
+
     GraphTexture add_disc(GraphTexture slice, const std::vector<DefocusTap>& taps) {
         Program& program = shaders_.full_screen("effects/depth_of_field/slice_blur.frag");
         const auto buffer = std::make_shared<Buffer>(std::span<const DefocusTap>(taps));
+        int reach = 0;
+        for (const DefocusTap& tap : taps) reach = std::max({reach, std::abs(tap.x), std::abs(tap.y)});
+        const GraphTexture tiles = add_tiles(slice);
         GraphPass pass = new_pass("slice blurred", graph_.shape(slice).scale);
-        pass.reads = {{slice}};
-        pass.draw = [&program, slice, buffer, count = taps.size()](PassRun& run) {
+        pass.reads = {{slice}, {tiles}};
+        pass.draw = [&program, slice, tiles, buffer, reach, count = taps.size()](PassRun& run) {
             program.use();
             run.bind(program, "slice", 0, slice);
+            run.bind(program, "tiles", 1, tiles);
+            program.set("tile", tile_texels);
+            program.set("reach_tiles", (reach + tile_texels - 1) / tile_texels);
             buffer->bind(GL_SHADER_STORAGE_BUFFER, 0);
             program.set("tap_count", static_cast<int>(count));
             run.draw(program);

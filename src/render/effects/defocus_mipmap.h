@@ -1,8 +1,9 @@
 // Depth of field by looking the circle of confusion up in a pyramid of blurred pictures (Lee, Kim & Choi 2009,
 // "Real-Time Depth-of-Field Rendering Using Anisotropically Filtered Mipmap Interpolation").
 //
-// The cheapest for wide circles; but a point becomes a soft spot, not a disc, and what is before the focus spreads over
-// the plate, not over virtual things behind it. The double-precision reference is report/defocus_reference.h.
+// As dear for wide circles as for narrow ones; but a point becomes a soft spot, not a disc, and what is before the
+// focus spreads over the plate, not over virtual things behind it. The double-precision reference is
+// report/defocus_reference.h.
 #pragma once
 
 #include "gl/shader_library.h"
