@@ -13,6 +13,19 @@ namespace matchlight {
 
 namespace {
 
+GraphTexture add_gather(RenderGraph& graph, const LayerEffectInput& input, const FrameDefocus& defocus) {
+    return input.gather.add(graph,
+                            {.layer_drawn = input.input.layer_drawn,
+                             .bind_layer = [&composite = input.composite, layer = input.input](
+                                               Program& program) { composite.set_layer(program, layer); },
+                             .region = input.objects,
+                             .layer_density = input.layer_density,
+                             .focus = input.input.optics.focus,
+                             .range = defocus.objects,
+                             .bokeh = defocus.settings.bokeh},
+                            gather_knobs(input.quality));
+}
+
 /// By the methods that work on one picture of the layer.
 GraphTexture add_defocus(RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input, DepthOfFieldLevel level,
                          QualityLevel quality) {
@@ -61,23 +74,6 @@ bool LayerEffectPlan::samples_lens() const {
 bool LayerEffectPlan::needs_hidden(QualityLevel quality) const {
     return defocus && defocus->settings.level == DepthOfFieldLevel::gather && gather_knobs(quality).hidden;
 }
-
-namespace {
-
-GraphTexture add_gather(RenderGraph& graph, const LayerEffectInput& input, const FrameDefocus& defocus) {
-    return input.gather.add(graph,
-                            {.layer_drawn = input.input.layer_drawn,
-                             .bind_layer = [&composite = input.composite, layer = input.input](
-                                               Program& program) { composite.set_layer(program, layer); },
-                             .region = input.objects,
-                             .layer_density = input.layer_density,
-                             .focus = input.input.optics.focus,
-                             .range = defocus.objects,
-                             .bokeh = defocus.settings.bokeh},
-                            gather_knobs(input.quality));
-}
-
-}  // namespace
 
 PlateLayer add_layer_effects(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan) {
     PlateLayer layer;
