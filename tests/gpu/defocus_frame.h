@@ -1,64 +1,11 @@
-// Layers out of focus made up on the CPU, and what a method makes of them.
+// A layer out of focus made up on the CPU, and how pictures are compared.
 #pragma once
 
 #include <cmath>
-#include <functional>
 
-#include "gl/shader_library.h"
-#include "render/effects/depth_of_field.h"
 #include "report/defocus_reference.h"
 
 namespace matchlight::test {
-
-using AddDefocus = std::function<GraphTexture(RenderGraph&, ShaderLibrary&, const DefocusInput&)>;
-
-/// Runs a method on `region` of the images, which is all of the frame unless it is given; what it makes of that, over
-/// the frame.
-inline ImageF run_defocus(ShaderLibrary& shaders, const DefocusImages& images, const AddDefocus& add,
-                          Region region = {}) {
-    const Region frame = images.light.bounds();
-    if (region.empty()) region = frame;
-    // Any focus does: the circles are turned back to depths by it.
-    const Focus focus{.coc_scale_px_m = 4096, .focus_distance_m = 0.25};
-    ImageF light(region.width, region.height, 4), inverse_depth(region.width, region.height, 1);
-    CocRange range;
-    for (int y = 0; y < region.height; ++y) {
-        for (int x = 0; x < region.width; ++x) {
-            const int u = x + region.x, v = y + region.y;
-            for (int c = 0; c < 4; ++c) light.at(x, y, c) = static_cast<float>(images.light.at(u, v, c));
-            if (!images.covered(u, v)) continue;
-            const double coc = images.coc_px.at(u, v);
-            inverse_depth.at(x, y) = static_cast<float>(1 / focus.focus_distance_m - coc / focus.coc_scale_px_m);
-            range.extend({coc, coc});
-        }
-    }
-    const auto upload = [](const ImageF& image, GLenum format) {
-        Texture2D texture(TextureShape{.format = format, .width = image.width(), .height = image.height()});
-        texture.upload(image);
-        return texture;
-    };
-    const Texture2D light_texture = upload(light, GL_RGBA32F), depth_texture = upload(inverse_depth, GL_R32F);
-    RenderGraph graph;
-    graph.begin_frame(frame.width, frame.height);
-    const DefocusInput input{.light = graph.import(&light_texture, {GL_RGBA32F, region, 1}),
-                             .inverse_depth = graph.import(&depth_texture, {GL_R32F, region, 1}),
-                             .focus = focus,
-                             .range = range,
-                             .bokeh = {}};
-    const GraphTexture made = add(graph, shaders, input);
-    graph.output(made);
-    graph.run();
-    const Region written = graph.shape(made).region;
-    const ImageF texels = graph.texture(made).read<float>({0, 0, written.width, written.height}, 4);
-    ImageF result(frame.width, frame.height, 4);
-    for (int y = 0; y < written.height; ++y) {
-        for (int x = 0; x < written.width; ++x) {
-            if (!frame.contains(x + written.x, y + written.y)) continue;
-            std::copy_n(texels.pixel(x, y), 4, result.pixel(x + written.x, y + written.y));
-        }
-    }
-    return result;
-}
 
 /// A square in focus before a slope whose circles grow from far before the focus to far behind it, with a highlight and
 /// a translucent band; the frame's left part is empty.
