@@ -19,6 +19,7 @@
 #include "gl/context.h"
 #include "media/image_io.h"
 #include "report/budgets.h"
+#include "report/depth_of_field_timing.h"
 #include "report/experiments.h"
 #include "report/machine_calibration.h"
 #include "report/report_folder.h"
@@ -33,7 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ReportArguments {
-    std::string scene, output, truth;
+    std::string scene, output, truth, study;
     std::optional<std::int64_t> frame;
     std::vector<std::string> effects;  // all when empty
     int repeats = 0;                   // 0: seven, or three when quick
@@ -166,6 +167,17 @@ void measure_track(const ReportArguments& arguments, CommandContext& context, Re
     report.track = run_track_experiment(scene, options, context.warnings);
 }
 
+void measure_study(const ReportArguments& arguments, GlContext& gl, CommandContext& context, Report& report) {
+    const Scene scene = load_scene(arguments.scene, context.warnings);
+    Progress progress("study", static_cast<std::int64_t>(depth_of_field_study_steps()), context.quiet);
+    report.scene = scene.path.filename().string();
+    report.provenance = fmt::format("matchlight {}\n{}", version, scene.effective_toml);
+    report.depth_of_field_study = measure_depth_of_field_study(
+        gl, scene,
+        {.frame = arguments.frame, .timing = arguments.timing(), .advance = [&progress] { progress.advance(); }},
+        context.warnings);
+}
+
 void run_stability_cases(bool quick, CommandContext& context, Report& report) {
     const std::vector<StabilityCase> cases = stability_cases(quick);
     Progress progress("stability", static_cast<std::int64_t>(cases.size()), context.quiet);
@@ -195,14 +207,17 @@ void make_report(const ReportArguments& arguments, CommandContext& context) {
     report.machine = this_machine(*gl);
     if (arguments.track) {
         measure_track(arguments, context, report);
+    } else if (!arguments.study.empty()) {
+        measure_study(arguments, *gl, context, report);
     } else if (!arguments.scene.empty()) {
         measure_scene(arguments, *gl, context, report);
     }
     if (arguments.stability) run_stability_cases(arguments.quick, context, report);
     folder.write(report);
     print_result(context, nlohmann::json::parse(report_json(report)),
-                 (report.track ? track_lines(*report.track) : effect_lines(report)) + stability_lines(report) +
-                     fmt::format("{}\n", folder.page().string()));
+                 (report.track ? track_lines(*report.track) : effect_lines(report)) +
+                     (arguments.study.empty() ? "" : depth_of_field_study_lines(report.depth_of_field_study)) +
+                     stability_lines(report) + fmt::format("{}\n", folder.page().string()));
     const auto failed = std::ranges::count_if(report.stability, [](const StabilityRow& row) { return !row.pass; });
     if (failed > 0) {
         throw InputError(folder.page(), fmt::format("{} of {} cases of stability leave their bounds", failed,
@@ -238,6 +253,11 @@ void add_report_command(CLI::App& app, CommandContext& context) {
         "--track", arguments->track,
         "Track the footage at every level and with other libraries' poses: error against run time, or how "
         "well the tags agree where no truth is given");
+    command
+        ->add_option("--study", arguments->study,
+                     "\"depth\": what a frame costs with depth of field and without, by each method at 512x512, "
+                     "1024x512 and 1024x1024; for scenes without footage")
+        ->check(CLI::IsMember({"depth"}));
     command->add_flag("--stability", arguments->stability,
                       "A table of stiff and extreme cases: what came out of each, against its bound");
     command->add_flag("--calibrate-machine", arguments->calibrate_machine,
@@ -250,7 +270,9 @@ void add_report_command(CLI::App& app, CommandContext& context) {
         if (!reports && !arguments->calibrate_machine) {
             throw CLI::RequiredError("SCENE.toml, --stability or --calibrate-machine");
         }
-        if (arguments->track && arguments->scene.empty()) throw CLI::RequiredError("SCENE.toml");
+        const bool needs_scene = arguments->track || !arguments->study.empty();
+        if (needs_scene && arguments->scene.empty()) throw CLI::RequiredError("SCENE.toml");
+        if (arguments->track && !arguments->study.empty()) throw CLI::ExcludesError("--track", "--study");
         if (reports && arguments->output.empty()) throw CLI::RequiredError("--output");
         if (arguments->calibrate_machine) calibrate(*arguments, context);
         if (reports) make_report(*arguments, context);

@@ -14,6 +14,7 @@
 #include "compositor/lens_map.h"
 #include "compositor/quality.h"
 #include "compositor/reach.h"
+#include "compositor/scene_focus.h"
 #include "compositor/scene_objects.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -77,6 +78,7 @@ struct Compositor::Impl {
     std::optional<LevelChoice> level_choice;   // by the budget
     std::optional<Background> background;      // of a scene without footage
     std::optional<ShadowFootprint> footprint;  // made with the first frame, whose depth sets the limit
+    SceneFocus scene_focus;
     LensMap lens_map;
     std::unique_ptr<CompositePass> composite_pass;
     SurfaceAccumulator accumulator{shaders};
@@ -94,6 +96,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
       quality(the_options.settings.value_or(quality_of(the_options.quality))),
       warnings(the_warnings),
       surfaces(shaders),
+      scene_focus(scene, solve.camera, surfaces),
       lens_map(make_lens_map(solve.camera)),
       effects(shaders, scene.effects, quality, solve.camera) {
     load_objects(scene, warnings);
@@ -244,14 +247,21 @@ LayerEffectPlan Compositor::Impl::layer_effects_of(const SolvedFrame& frame, Fra
     LayerEffectPlan plan;
     const std::optional<DepthOfFieldSettings>& defocus = effects.settings().depth_of_field;
     if (!defocus || !frame.camera_from_world) return plan;
-    optics.focus = focus_of_frame(*defocus, solve, frame, {}, warnings);
+    const std::optional<double> autofocus_m = scene_focus.depth_m(*defocus, *frame.camera_from_world, warnings);
+    optics.focus = focus_of_frame(*defocus, solve, frame, autofocus_m, warnings);
+    const std::vector<ObjectFocus> apart = scene_focus.apart(defocus->level, warnings);
     CocRange range;
     for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
         const Eigen::AlignedBox3d box_m = surfaces.object_bounds_m(i);
         if (normalized_bounds_of_box(box_m, *frame.camera_from_world, lens_map).isEmpty()) continue;
-        range.extend(coc_range_of_box(optics.focus, box_m, *frame.camera_from_world));
+        Focus focus = optics.focus;
+        if (const auto own = std::ranges::find(apart, i, &ObjectFocus::object); own != apart.end()) {
+            if (!own->distance_m) continue;
+            focus.focus_distance_m = *own->distance_m;
+        }
+        range.extend(coc_range_of_box(focus, box_m, *frame.camera_from_world));
     }
-    if (!range.is_sharp() || !options.leave_out) plan.defocus = {*defocus, range};
+    if (!range.is_sharp() || !options.leave_out) plan.defocus = {*defocus, range, apart};
     return plan;
 }
 

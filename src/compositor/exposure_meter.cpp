@@ -57,6 +57,7 @@ std::string meter_key(const Scene& scene) {
     if (!scene.background.image.empty()) hash.add_file(scene.background.image);
     for (const ObjectSettings& object : scene.objects) {
         if (!object.model.empty()) add_model_contents(hash, object.model, unheard);
+        if (!object.material.texture.empty()) hash.add_file(object.material.texture);
     }
     if (!scene.camera) {
         hash.add_file(scene.footage.solve);

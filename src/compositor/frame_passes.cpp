@@ -162,12 +162,21 @@ SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeV
         lens_from_camera.translation() = Eigen::Vector3d(-on_lens_m.x(), -on_lens_m.y(), 0);
         const RigidTransform lens_from_world = lens_from_camera * plan_.optics.camera_from_world;
         // Sheared, so that the plane of focus stays where it is.
-        PinholeView sheared = pinhole;
-        sheared.cx += pinhole.fx * on_lens_m.x() / focus.focus_distance_m;
-        sheared.cy += pinhole.fy * on_lens_m.y() / focus.focus_distance_m;
+        const auto clip_from_world = [&](double focus_distance_m) -> Eigen::Matrix4d {
+            PinholeView sheared = pinhole;
+            sheared.cx += pinhole.fx * on_lens_m.x() / focus_distance_m;
+            sheared.cy += pinhole.fy * on_lens_m.y() / focus_distance_m;
+            return clip_from_camera(sheared) * lens_from_world.matrix();
+        };
         SurfaceView seen = view;
-        seen.clip_from_world = clip_from_camera(sheared) * lens_from_world.matrix();
+        seen.clip_from_world = clip_from_world(focus.focus_distance_m);
         seen.eye_world_m = lens_from_world.inverse().translation();
+        std::vector<ObjectView> apart;
+        for (const ObjectFocus& own : plan_.layer_effects.defocus->apart) {
+            apart.push_back(own.distance_m ? ObjectView{own.object, clip_from_world(*own.distance_m), seen.eye_world_m}
+                                           : ObjectView{own.object, view.clip_from_world, view.eye_world_m});
+        }
+        seen.apart = apart;
         sum.add(resources_.surfaces.draw(lit.environment(), seen, lit.shading()),
                 1 / static_cast<double>(points.size()));
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "compositor/focus.h"
 #include "gl/shader_library.h"
@@ -13,10 +14,17 @@
 
 namespace matchlight {
 
+/// An object that is blurred as if the lens were focused elsewhere, or not at all.
+struct ObjectFocus {
+    std::size_t object = 0;
+    std::optional<double> distance_m;  // absent: sharp
+};
+
 /// What is out of focus in a frame.
 struct FrameDefocus {
     DepthOfFieldSettings settings;
-    CocRange objects;  // over all objects in view
+    CocRange objects;                  // over all objects in view
+    std::vector<ObjectFocus> apart{};  // objects with a focus of their own
 };
 
 /// What a frame's layer goes through; nothing where all is sharp and still.

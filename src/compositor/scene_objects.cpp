@@ -44,6 +44,7 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
         if (moves(object)) moving_.push_back(objects_.size());
         objects_.push_back({object, world_from_parent(object, solve, scene.path)});
         Model model = object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
+        if (!object.material.texture.empty()) set_base_color_texture(model, object.material.texture);
         if (fine_meshes) shorten_edges(model);
         surfaces.add_object({.model = &model,
                              .world_from_model = world_from_model(objects_.size() - 1, time),

@@ -182,6 +182,10 @@ void SurfaceRenderer::place_object(std::size_t index, const Eigen::Matrix4d& wor
     objects_.at(index).world_from_model = world_from_model;
 }
 
+const Eigen::Matrix4d& SurfaceRenderer::world_from_model(std::size_t index) const {
+    return objects_.at(index).world_from_model;
+}
+
 bool SurfaceRenderer::any_reflects(ReflectionForm form) const {
     return std::any_of(objects_.begin(), objects_.end(),
                        [&](const Object& object) { return object.reflection == form; });
@@ -251,7 +255,13 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
     std::vector<Blended> blended;
     const auto place = [&](const Object& object) {
         const Eigen::Matrix3d linear = object.world_from_model.topLeftCorner<3, 3>();
-        program.set("clip_from_model", Eigen::Matrix4f((view.clip_from_world * object.world_from_model).cast<float>()));
+        const auto apart =
+            std::ranges::find(view.apart, static_cast<std::size_t>(&object - objects_.data()), &ObjectView::object);
+        const bool is_apart = apart != view.apart.end();
+        const Eigen::Matrix4d& clip_from_world = is_apart ? apart->clip_from_world : view.clip_from_world;
+        const Eigen::Vector3d& eye_world_m = is_apart ? apart->eye_world_m : view.eye_world_m;
+        program.set("clip_from_model", Eigen::Matrix4f((clip_from_world * object.world_from_model).cast<float>()));
+        if (!view.apart.empty()) program.set("eye_world", Eigen::Vector3f(eye_world_m.cast<float>()));
         program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
         program.set("normal_from_model", Eigen::Matrix3f(linear.inverse().transpose().cast<float>()));
         program.set("reflects_sphere_map", object.reflection == ReflectionForm::sphere_map);
@@ -384,6 +394,7 @@ std::vector<PlacedMesh> SurfaceRenderer::read_meshes() const {
                 next.normals.emplace_back((normal_from_model * normal).normalized());
             }
             next.indices = mesh.geometry.read_indices();
+            next.object = static_cast<std::size_t>(&object - objects_.data());
             next.casts_shadow = object.casts(mesh);
             next.reflectance = object.material_of(mesh).reflectance();
         }

@@ -16,6 +16,13 @@
 
 namespace matchlight {
 
+/// An object that is seen from elsewhere than the rest, with the same depths.
+struct ObjectView {
+    std::size_t object = 0;
+    Eigen::Matrix4d clip_from_world = Eigen::Matrix4d::Identity();
+    Eigen::Vector3d eye_world_m = Eigen::Vector3d::Zero();
+};
+
 /// What one draw sees. `clip_from_world` is clip_from_camera (core/transforms.h) of the drawn region times
 /// camera_from_world: reversed z, y up, clip w = metres along the camera's z.
 struct SurfaceView {
@@ -23,6 +30,7 @@ struct SurfaceView {
     Eigen::Vector3d eye_world_m = Eigen::Vector3d::Zero();
     int width = 0, height = 0;  // pixels of the picture (of the supersampled one, if it is)
     int samples = 4;            // a pixel, for edges; 1 is none; more than the driver has becomes what it has
+    std::span<const ObjectView> apart = {};
 };
 
 /// Points into textures of the renderer that may be larger than the view and hold until its next draw: the picture is
@@ -58,6 +66,7 @@ struct SurfaceShading {
 struct PlacedMesh {
     std::vector<Eigen::Vector3d> positions_m, normals;
     std::vector<std::uint32_t> indices;  // of triangles
+    std::size_t object = 0;              // its index
     bool casts_shadow = true;
     double reflectance = 0;  // of white light, as SurfaceMaterial has it
 };
@@ -73,6 +82,7 @@ public:
     /// Uploads the model; returns the object's index. Throws InputError for textures larger than the driver takes.
     std::size_t add_object(const SurfaceObject& object);
     void place_object(std::size_t index, const Eigen::Matrix4d& world_from_model);
+    const Eigen::Matrix4d& world_from_model(std::size_t index) const;
     std::size_t object_count() const;
     bool any_reflects(ReflectionForm form) const;
 

@@ -142,7 +142,7 @@ SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& m
     if (chosen.base_color) {
         const auto rgb = to_float(*chosen.base_color);
         std::copy(rgb.begin(), rgb.end(), factors.base_color.begin());
-        factors.base_color_texture = -1;
+        if (chosen.texture.empty()) factors.base_color_texture = -1;
     }
     if (chosen.metallic || chosen.roughness) {
         factors.metallic = static_cast<float>(chosen.metallic.value_or(factors.metallic));

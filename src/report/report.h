@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "report/depth_of_field_study.h"
 #include "report/measured_time.h"
 #include "report/track_report.h"
 
@@ -103,6 +104,7 @@ struct Report {
     std::vector<TruthRow> truth;
     std::vector<BudgetRow> budget;
     std::optional<TrackReport> track;
+    DepthOfFieldStudy depth_of_field_study;
 };
 
 /// "128 directions, 1024 resolution".

@@ -130,15 +130,17 @@ std::string budget_section(const std::vector<BudgetRow>& rows) {
 
 std::string report_html(const Report& report) {
     const Machine& machine = report.machine;
+    const bool is_study = !report.depth_of_field_study.empty();
     const std::string title = report.scene.empty() ? "Stability"
                               : report.track       ? fmt::format("Tracking, error against run time: {}", report.scene)
+                              : is_study           ? fmt::format("Depth of field: {}", report.scene)
                                                    : fmt::format("Error against run time: {}", report.scene);
     std::string html = fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Matchlight: {0}</title>"
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><style>{1}</style></head><body>"
         "<h1>{0}</h1>",
         html_text(title), page_style);
-    const bool shows_frame = !report.scene.empty() && !report.track;
+    const bool shows_frame = !report.scene.empty() && !report.track && !is_study;
     if (shows_frame) html += fmt::format("<p>Frame {}, {}×{}. ", report.frame, report.width, report.height);
     html += fmt::format(
         "{}Matchlight {} on {} (OpenGL {}), {} cores; times by {}; a copy moves {:.1f} GB/s, the bound that no pass "
@@ -156,6 +158,7 @@ std::string report_html(const Report& report) {
     }
     for (const EffectReport& effect : report.effects) html += effect_section(effect);
     if (report.track) html += track_html(*report.track);
+    if (is_study) html += depth_of_field_study_html(report.depth_of_field_study);
     html += truth_section(report.truth) + budget_section(report.budget) + stability_section(report.stability);
     if (!report.provenance.empty()) {
         html += fmt::format("<h2>Settings</h2><pre>{}</pre>", html_text(report.provenance));

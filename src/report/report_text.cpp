@@ -102,7 +102,9 @@ std::string report_json(const Report& report) {
         json["scene"] = report.scene;
     }
     if (report.track) json["track"] = track_json(*report.track);
-    if (!report.scene.empty() && !report.track) {
+    if (!report.depth_of_field_study.empty()) {
+        json["depth_of_field_study"] = depth_of_field_study_json(report.depth_of_field_study);
+    } else if (!report.scene.empty() && !report.track) {
         json["frame"] = report.frame;
         json["width"] = report.width;
         json["height"] = report.height;
@@ -146,6 +148,7 @@ std::string report_json(const Report& report) {
 
 std::string report_csv(const Report& report) {
     if (report.track) return track_csv(*report.track);
+    if (!report.depth_of_field_study.empty()) return depth_of_field_study_csv(report.depth_of_field_study);
     std::string csv =
         "effect,level,knobs,precision,per,ms_median,ms_min,ms_max,bytes,bandwidth_bounds,flip,hdr_flip,psnr_db,"
         "relative_rms,reference_self_error_flip,ms_saved,max_code_difference\n";

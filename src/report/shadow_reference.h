@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 
 #include "lighting/probe.h"
-#include "report/ray_caster.h"
+#include "scene/ray_caster.h"
 
 namespace matchlight {
 

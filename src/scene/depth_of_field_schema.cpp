@@ -24,7 +24,7 @@ void add_depth_of_field_settings(std::vector<Setting>& rows) {
          [](Scene& s, const SettingValue& v) {
              s.effects.depth_of_field->focus_on = static_cast<FocusTarget>(v.choice);
          }},
-        {section, "point", of_kind(vector), "m", "", "of the world, for `focus_on`",
+        {section, "point", between(vector, -1e6, 1e6), "m", "", "of the world, for `focus_on`",
          [](Scene& s, const SettingValue& v) {
              s.effects.depth_of_field->focus_point_m = {v.vector.x(), v.vector.y(), v.vector.z()};
          }},

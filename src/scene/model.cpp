@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "scene/assimp_import.h"
 #include "scene/checked_model.h"
+#include "scene/texture_image.h"
 
 namespace matchlight {
 namespace {
@@ -53,6 +54,19 @@ Model load_model(const std::filesystem::path& path, Warnings& warnings) {
     } catch (const std::exception& error) {
         // The libraries that read models throw what they like.
         throw InputError(path, fmt::format("it cannot be read: {}", error.what()));
+    }
+}
+
+void set_base_color_texture(Model& model, const std::filesystem::path& picture) {
+    Warnings unheard;  // what a model's own texture may lack, one that the scene asks for may not
+    unheard.set_quiet(true);
+    auto pixels = read_texture({.name = picture.filename().string(), .bytes = {}, .file = picture}, picture, unheard);
+    if (!pixels) throw InputError(picture, "it is no picture that can be read", "give a PNG or JPEG file");
+    const auto index = static_cast<int>(model.textures.size());
+    model.textures.push_back({.name = picture.string(), .rgba = std::move(*pixels)});
+    for (ModelMaterial& material : model.materials) {
+        material.base_color_texture = index;
+        material.base_color = {1, 1, 1, material.base_color[3]};
     }
 }
 

@@ -72,8 +72,12 @@ struct Model {
 Model load_model(const std::filesystem::path& path, Warnings& warnings);
 
 /// "sphere" (radius ½), "box" (side 1), "plane" (side 1, z = 0), "torus" (outer radius ½, tube radius 0.15, about z),
-/// "cylinder" (radius ½, height 1, about z), all around the origin. Throws InputError naming the nearest.
+/// "cylinder" and "cone" (radius ½, height 1, about z; the cone's tip up), "teapot" (Newell's, 1 long from handle to
+/// spout, the spout along +x, its lid about z), all around the origin. Throws InputError naming the nearest.
 Model make_shape(const std::string& shape, const std::filesystem::path& reported);
+
+/// Puts a picture on all materials in place of their base colour. Throws InputError when it cannot be read.
+void set_base_color_texture(Model& model, const std::filesystem::path& picture);
 
 /// Adds the bytes of every file that load_model would read. Throws as it does.
 void add_model_contents(ContentHash& hash, const std::filesystem::path& path, Warnings& warnings);

@@ -47,6 +47,7 @@ public:
         for (const SceneSection& section : scene_sections()) read_section_of_root(root, section);
         if (const toml::node* background = root.get("background")) check_background(*background);
         check_exposure(root);
+        check_focus(root);
         scene_.effective_toml = std::move(effective_);
         return std::move(scene_);
     }
@@ -66,6 +67,7 @@ private:
     void check_camera(const toml::table& table);
     void check_background(const toml::node& node);
     void check_exposure(const toml::table& root);
+    void check_focus(const toml::table& root);
 
     void append(std::string_view header, const std::vector<std::string>& lines) {
         if (!effective_.empty()) effective_ += "\n";
@@ -353,6 +355,36 @@ void SceneReader::check_exposure(const toml::table& root) {
     source_.fail(*root["effects"]["exposure"]["mode"].node(),
                  "'mode' in [effects.exposure] is matched, and the scene has no footage to match",
                  "give mode = \"simulated\", or leave exposure out and set exposure_ev in [camera]");
+}
+
+/// What the lens focuses on by itself must be there.
+void SceneReader::check_focus(const toml::table& root) {
+    const toml::table* table = root["effects"]["depth_of_field"].as_table();
+    if (table == nullptr) return;
+    const FocusTarget target = scene_.effects.depth_of_field->focus_on;
+    const toml::node* focus_on = table->get("focus_on");
+    const auto check = [&](FocusTarget named, const char* key) {
+        const toml::node* node = table->get(key);
+        if (target == named && node == nullptr) {
+            source_.fail(*focus_on, fmt::format("'focus_on' in [effects.depth_of_field] is \"{0}\" without {0}", key),
+                         fmt::format("give {}", key));
+        }
+        if (focus_on == nullptr && node != nullptr) {
+            source_.fail(*node, fmt::format("'{}' in [effects.depth_of_field] does nothing without focus_on", key),
+                         fmt::format("give focus_on = \"{}\"", key));
+        }
+    };
+    check(FocusTarget::point, "point");
+    check(FocusTarget::object, "object");
+    if (target != FocusTarget::object) return;
+    std::vector<std::string_view> names;
+    for (const ObjectSettings& object : scene_.objects) names.push_back(object.name);
+    const std::string& wanted = scene_.effects.depth_of_field->focus_object;
+    if (std::ranges::find(names, wanted) != names.end()) return;
+    source_.fail(
+        *table->get("object"),
+        fmt::format("'object' in [effects.depth_of_field]: the scene has no object '{}'", wanted),
+        names.empty() ? "give it an [[object]]" : fmt::format("did you mean '{}'?", nearest_word(wanted, names)));
 }
 
 }  // namespace

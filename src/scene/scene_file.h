@@ -59,6 +59,7 @@ enum class ReflectionForm { cube, sphere_map };
 
 struct MaterialOverride {
     std::optional<std::array<double, 3>> base_color;  // scene-linear
+    std::filesystem::path texture;                    // of the base colour, which multiplies it
     std::optional<double> metallic, roughness;
     std::optional<std::array<double, 3>> emissive;  // radiance, probe units
     std::optional<std::array<double, 3>> diffuse;   // Od of the classic model
@@ -79,9 +80,15 @@ struct SpinSettings {
     double turns_per_second = 0;                      // counter-clockwise seen from the axis' tip
 };
 
+/// What an object is blurred by in place of the lens' own focus (Kosloff & Barsky 2007, "An Algorithm for Rendering
+/// Generalized Depth of Field Effects Based on Simulated Heat Diffusion").
+struct FocusOverride {
+    std::optional<double> distance_m;  // as if the lens were focused there; absent: sharp everywhere
+};
+
 struct ObjectSettings {
     std::filesystem::path model;  // empty when `shape` is given
-    std::string shape;            // "sphere", "box", "plane", "torus", "cylinder"
+    std::string shape;            // a word that make_shape() knows
     std::string name;             // for layers and messages; the file's stem unless given
     Eigen::Vector3d translate_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d rotate_deg = Eigen::Vector3d::Zero();
@@ -91,6 +98,7 @@ struct ObjectSettings {
     std::optional<int> parent_tag;  // coordinates are that tag's instead of the world's
     ReflectionForm reflection = ReflectionForm::cube;
     bool casts_shadow = true;
+    std::optional<FocusOverride> focus;
     MaterialOverride material;
 };
 

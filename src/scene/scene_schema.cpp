@@ -125,8 +125,8 @@ const std::vector<Setting> own_settings = {
 
     {"object", "model", of_kind(input_file), "", "", "glTF 2.0 (.gltf, .glb), OBJ, PLY or STL",
      [](Scene& s, const SettingValue& v) { s.objects.back().model = v.path; }},
-    {"object", "shape", one_of({"sphere", "box", "plane", "torus", "cylinder"}), "", "", "instead of a model",
-     [](Scene& s, const SettingValue& v) { s.objects.back().shape = v.text; }},
+    {"object", "shape", one_of({"sphere", "box", "plane", "torus", "cylinder", "cone", "teapot"}), "", "",
+     "instead of a model", [](Scene& s, const SettingValue& v) { s.objects.back().shape = v.text; }},
     {"object", "spheres", of_kind(not_built), "", "", "a set of spheres, instead of a model", nullptr},
     {"object", "name", of_kind(text), "", "", "for layers and messages; the file's stem unless given",
      [](Scene& s, const SettingValue& v) { s.objects.back().name = v.text; }},
@@ -145,10 +145,23 @@ const std::vector<Setting> own_settings = {
      [](Scene& s, const SettingValue& v) { s.objects.back().reflection = static_cast<ReflectionForm>(v.choice); }},
     {"object", "casts_shadow", of_kind(boolean), "", "true", "on the surface",
      [](Scene& s, const SettingValue& v) { s.objects.back().casts_shadow = v.boolean; }},
+    {"object",
+     "focus",
+     {.kind = measure, .lowest = 1e-3, .highest = 1e9, .choices = {"sharp"}},
+     "m",
+     "",
+     "blurred as if the lens were focused there, or never: at the level lens_samples of depth of field",
+     [](Scene& s, const SettingValue& v) {
+         s.objects.back().focus =
+             FocusOverride{v.text.empty() ? std::optional<double>(v.number) : std::optional<double>()};
+     }},
     {"object", "material", of_kind(section), "", "", "overrides of the file's own materials", nullptr},
 
     {"object.material", "base_color", between(color, 0, 1), "", "", "scene-linear",
      [](Scene& s, const SettingValue& v) { material_of(s).base_color = color_of(v); }},
+    {"object.material", "texture", of_kind(input_file), "", "",
+     "picture of the base colour (PNG, JPEG, …), in place of the model's; `base_color` multiplies it",
+     [](Scene& s, const SettingValue& v) { material_of(s).texture = v.path; }},
     {"object.material", "metallic", between(number, 0, 1), "", "", "0 dielectric, 1 metal",
      [](Scene& s, const SettingValue& v) { material_of(s).metallic = v.number; }},
     {"object.material", "roughness", between(number, 0, 1), "", "", "perceptual, as in glTF",

@@ -1,6 +1,5 @@
 // The built-in shapes: surfaces with analytic normals, laid out as grids.
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -9,6 +8,8 @@
 #include "scene/mesh_geometry.h"
 #include "scene/model.h"
 #include "scene/scene_schema.h"
+#include "scene/surface_grid.h"
+#include "scene/teapot.h"
 
 namespace matchlight {
 namespace {
@@ -16,49 +17,11 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-struct SurfacePoint {
-    Vector3d position;
-    Vector3d normal;
-    Vector2d uv;
-};
-/// A point of a surface over the unit square; seen from outside, u grows to the right and v downwards.
-using Surface = std::function<SurfacePoint(double u, double v)>;
-
-void add_surface(ModelMesh& mesh, int columns, int rows, const Surface& surface) {
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (int row = 0; row <= rows; ++row) {
-        for (int column = 0; column <= columns; ++column) {
-            const SurfacePoint point = surface(static_cast<double>(column) / columns, static_cast<double>(row) / rows);
-            const Eigen::Vector3f position = point.position.cast<float>();
-            const Eigen::Vector3f normal = point.normal.cast<float>();
-            const Eigen::Vector2f uv = point.uv.cast<float>();
-            mesh.vertices.push_back({.position = {position.x(), position.y(), position.z()},
-                                     .normal = {normal.x(), normal.y(), normal.z()},
-                                     .tangent = {0, 0, 0, 0},
-                                     .uv = {uv.x(), uv.y()},
-                                     .color = {1, 1, 1, 1}});
-        }
-    }
-    const auto stride = static_cast<std::uint32_t>(columns + 1);
-    for (std::uint32_t row = 0; row < static_cast<std::uint32_t>(rows); ++row) {
-        for (std::uint32_t column = 0; column < static_cast<std::uint32_t>(columns); ++column) {
-            const std::uint32_t top_left = first + row * stride + column;
-            const std::uint32_t bottom_left = top_left + stride;
-            const std::uint32_t corners[] = {top_left, bottom_left,     bottom_left + 1,
-                                             top_left, bottom_left + 1, top_left + 1};
-            mesh.indices.insert(mesh.indices.end(), std::begin(corners), std::end(corners));
-        }
-    }
-}
-
 /// Unit vector at `turn` (0 to 1) counter-clockwise seen from above; exact where the seam closes.
 Vector3d around(double turn) {
     const double angle = 2 * std::numbers::pi * (turn == 1 ? 0 : turn);
     return {std::cos(angle), std::sin(angle), 0};
 }
-
-// Silhouettes of this many straight pieces leave a circle of 200 pixels radius by 0.03 pixels.
-constexpr int pieces_around = 192;
 
 void add_sphere(ModelMesh& mesh) {
     add_surface(mesh, pieces_around, pieces_around / 2, [](double u, double v) {
@@ -102,9 +65,20 @@ void add_torus(ModelMesh& mesh) {
     });
 }
 
+/// Of a disc across the z axis, seen from above (`up` = 1) or below (−1).
+Vector2d disc_uv(const Vector3d& p, double up) {
+    return {0.5 + p.x(), 0.5 - up * p.y()};
+}
+
+void add_bottom(ModelMesh& mesh) {
+    add_surface(mesh, pieces_around, 1, [](double u, double v) {
+        const Vector3d p = around(u) * ((1 - v) / 2);
+        return SurfacePoint{p - Vector3d::UnitZ() / 2, -Vector3d::UnitZ(), disc_uv(p, -1)};
+    });
+}
+
 void add_cylinder(ModelMesh& mesh) {
     const Vector3d z = Vector3d::UnitZ();
-    const auto disc_uv = [](const Vector3d& p, double up) { return Vector2d(0.5 + p.x(), 0.5 - up * p.y()); };
     add_surface(mesh, pieces_around, 1, [&](double u, double v) {
         return SurfacePoint{around(u) / 2 + z * (0.5 - v), around(u), {u, v}};
     });
@@ -112,18 +86,24 @@ void add_cylinder(ModelMesh& mesh) {
         const Vector3d p = around(u) * (v / 2);
         return SurfacePoint{p + z / 2, z, disc_uv(p, 1)};
     });
+    add_bottom(mesh);
+}
+
+void add_cone(ModelMesh& mesh) {
+    const Vector3d z = Vector3d::UnitZ();
     add_surface(mesh, pieces_around, 1, [&](double u, double v) {
-        const Vector3d p = around(u) * ((1 - v) / 2);
-        return SurfacePoint{p - z / 2, -z, disc_uv(p, -1)};
+        // Across a side that falls by 1 while it goes out by ½.
+        return SurfacePoint{around(u) * (v / 2) + z * (0.5 - v), (around(u) + z / 2).normalized(), {u, v}};
     });
+    add_bottom(mesh);
 }
 
 struct Shape {
     std::string_view name;
     void (*add)(ModelMesh&);
 };
-constexpr Shape shapes[] = {
-    {"sphere", add_sphere}, {"box", add_box}, {"plane", add_plane}, {"torus", add_torus}, {"cylinder", add_cylinder}};
+constexpr Shape shapes[] = {{"sphere", add_sphere},     {"box", add_box},   {"plane", add_plane},  {"torus", add_torus},
+                            {"cylinder", add_cylinder}, {"cone", add_cone}, {"teapot", add_teapot}};
 
 }  // namespace
 
@@ -141,7 +121,7 @@ Model make_shape(const std::string& shape, const std::filesystem::path& reported
         weld(mesh);
         ModelMaterial& material = model.materials.emplace_back();
         material.name = shape;
-        material.double_sided = shape == "plane";  // it has no inside
+        material.double_sided = shape == "plane" || shape == "teapot";  // no inside; a spout to look into
         model.update_bounds();
         return model;
     }

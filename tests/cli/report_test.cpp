@@ -1,5 +1,6 @@
 // `matchlight report` on the sample shot: its three files, and what it refuses.
 #include <algorithm>
+#include <fstream>
 #include <map>
 #include <sstream>
 #include <string>
@@ -239,6 +240,49 @@ TEST_F(ReportTest, BudgetsAreKeptByTheTableOfTheMachine) {
         EXPECT_GT(row["measured_ms"], 0);
         EXPECT_NE(row["choice"].get<std::string>().find("surface"), std::string::npos);
     }
+}
+
+TEST_F(ReportTest, StudiesDepthOfFieldBySizeAndMethod) {
+    const fs::path scene = shot_ / "virtual.toml";
+    const auto written = [&](const std::string& more) {
+        std::ofstream(scene) << "[camera]\nwidth = 16\nheight = 16\norbit = {radius = 2}\n"
+                                "lens = {f_number = 1.4, focus_distance_m = 1}\n[light]\nprobe = \"probe.exr\"\n"
+                                "[[object]]\nshape = \"box\"\nscale = 0.3\n[quality]\nlevel = \"draft\"\n"
+                             << more;
+        return scene;
+    };
+    const auto study = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> call{"report", scene, "-o", scratch_ / "study", "--study", "depth", "--repeats", "1"};
+        call.insert(call.end(), more.begin(), more.end());
+        return run_matchlight(call);
+    };
+    written("[effects]\ndepth_of_field = {lens_samples = 2}\n");
+    ASSERT_TRUE(succeeded(study({})));
+    const json rows = json::parse(bytes_of(scratch_ / "study" / "report.json"))["depth_of_field_study"];
+    // Seven methods at three sizes.
+    ASSERT_EQ(rows.size(), 21u);
+    std::map<std::string, double> widest_px;
+    for (const json& row : rows) {
+        EXPECT_GT(row["without"]["ms_median"], 0);
+        EXPECT_GT(row["with"]["ms_median"], 0);
+        EXPECT_EQ(row["cost_ms"].get<double>(),
+                  row["with"]["ms_median"].get<double>() - row["without"]["ms_median"].get<double>());  // of one pair
+        widest_px[std::to_string(row["width"].get<int>()) + "x" + std::to_string(row["height"].get<int>())] =
+            row["widest_coc_px"];
+    }
+    // The lens and the angle of view are kept vertically: a wider picture blurs alike, one of twice the height twice.
+    EXPECT_NEAR(widest_px.at("1024x512") / widest_px.at("512x512"), 1, 1e-9);
+    EXPECT_NEAR(widest_px.at("1024x1024") / widest_px.at("512x512"), 2, 1e-9);
+    const std::string csv = bytes_of(scratch_ / "study" / "report.csv");
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 22);
+    EXPECT_NE(bytes_of(scratch_ / "study" / "report.html").find("1024×512"), std::string::npos);
+
+    written("");
+    EXPECT_TRUE(failed_naming(study({"--overwrite"}), {"virtual.toml", "no depth of field"}));
+    EXPECT_TRUE(failed_naming(run_matchlight({"report", scene_, "-o", scratch_ / "other", "--study", "depth"}),
+                              {"table.toml", "footage"}));
+    EXPECT_TRUE(refused_call(study({"--track"})));
+    EXPECT_TRUE(refused_call(run_matchlight({"report", scene, "-o", scratch_ / "other", "--study", "death"})));
 }
 
 TEST_F(ReportTest, RefusesWrongCalls) {

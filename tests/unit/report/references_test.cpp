@@ -7,7 +7,7 @@
 
 #include "report/contact_shadow_reference.h"
 #include "report/prefilter_reference.h"
-#include "report/ray_caster.h"
+#include "scene/ray_caster.h"
 #include "report/shadow_reference.h"
 
 namespace matchlight {

@@ -418,5 +418,33 @@ TEST(SceneSchema, TextListsEverySetting) {
     EXPECT_THAT(text, HasSubstr("| `crf` | whole number, from 0 to 51 |"));
 }
 
+TEST_F(SceneFile, FocusIsOnThingsThatAreThere) {
+    const std::string objects =
+        "[[object]]\nshape = \"cone\"\n[[object]]\nshape = \"teapot\"\nfocus = 0.5\n"  // lines 6 to 10
+        "[[object]]\nshape = \"teapot\"\nfocus = \"sharp\"\n[effects]\n";              // lines 11 to 14
+    const auto with = [&](const std::string& settings) {
+        return footage_and_tags + objects + "depth_of_field = {" + settings + "}\n";
+    };
+    const Scene scene = load(with("focus_on = \"object\", object = \"teapot 2\""));
+    EXPECT_EQ(scene.effects.depth_of_field->focus_object, "teapot 2");
+    EXPECT_FALSE(scene.objects[0].focus);
+    EXPECT_EQ(scene.objects[1].focus->distance_m, 0.5);
+    ASSERT_TRUE(scene.objects[2].focus);
+    EXPECT_FALSE(scene.objects[2].focus->distance_m);
+    EXPECT_EQ(error_of(with("focus_on = \"object\", object = \"teepot\"")),
+              "scene.toml:15: 'object' in [effects.depth_of_field]: the scene has no object 'teepot'; did you mean "
+              "'teapot'?");
+    EXPECT_EQ(error_of(with("focus_on = \"object\"")),
+              "scene.toml:15: 'focus_on' in [effects.depth_of_field] is \"object\" without object; give object");
+    EXPECT_EQ(error_of(with("focus_on = \"point\"")),
+              "scene.toml:15: 'focus_on' in [effects.depth_of_field] is \"point\" without point; give point");
+    EXPECT_EQ(error_of(with("point = [0, 0, 1]")),
+              "scene.toml:15: 'point' in [effects.depth_of_field] does nothing without focus_on; give focus_on = "
+              "\"point\"");
+    EXPECT_THAT(error_of(with("focus_on = \"centre\"")), HasSubstr("distance, middle, point, object"));
+    EXPECT_THAT(error_after("[[object]]\nshape = \"cone\"\nfocus = 0\n"), HasSubstr("scene.toml:8"));
+    EXPECT_THAT(error_after("[[object]]\nshape = \"cone\"\nfocus = \"sharpest\"\n"), HasSubstr("did you mean 'sharp'"));
+}
+
 }  // namespace
 }  // namespace matchlight

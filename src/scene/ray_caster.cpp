@@ -1,5 +1,5 @@
 // Eigen's box hierarchy with the slab test and Möller & Trumbore's triangle.
-#include "report/ray_caster.h"
+#include "scene/ray_caster.h"
 
 #include <algorithm>
 #include <cmath>

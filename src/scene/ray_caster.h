@@ -1,4 +1,4 @@
-// Rays against triangles in double precision, for references.
+// Rays against triangles in double precision, for references and autofocus.
 #pragma once
 
 #include <cstdint>
@@ -25,10 +25,10 @@ public:
     void build();
 
     struct Hit {
-        double distance_m = 0;
+        double distance_m = 0;  // in multiples of the direction's length
         int mesh = 0;
     };
-    /// The nearest triangle, either side of it, farther than `least_m` along a unit direction.
+    /// The nearest triangle, either side of it, farther than `least_m` along a direction (of which it is a multiple).
     std::optional<Hit> nearest(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction, double least_m) const;
 
 private:

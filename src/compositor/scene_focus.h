@@ -1,0 +1,38 @@
+// The scene's objects as autofocus meets them, and those with a focus of their own.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compositor/autofocus.h"
+#include "compositor/layer_effects.h"
+#include "render/surface.h"
+#include "scene/scene_file.h"
+
+namespace matchlight {
+
+class SceneFocus {
+public:
+    /// `surfaces` holds the scene's objects in its order; both references must outlive this.
+    SceneFocus(const Scene& scene, const Camera& camera, const SurfaceRenderer& surfaces);
+
+    /// See autofocus_depth_m(); objects stand as `surfaces` has them now.
+    std::optional<double> depth_m(const DepthOfFieldSettings& settings, const RigidTransform& camera_from_world,
+                                  Warnings& warnings);
+    /// Objects that the scene gives a focus of their own. Only `lens_samples` follows it: empty for other levels, with
+    /// a warning.
+    std::vector<ObjectFocus> apart(DepthOfFieldLevel level, Warnings& warnings) const;
+
+private:
+    void read_objects();
+
+    const Camera& camera_;
+    const SurfaceRenderer& surfaces_;
+    std::optional<double> surface_z_m_;
+    std::vector<std::string> names_;
+    std::vector<ObjectFocus> apart_;
+    std::vector<FocusObject> objects_;  // read back when a ray is first needed
+};
+
+}  // namespace matchlight
