@@ -109,6 +109,21 @@ TEST_F(VirtualScene, TheStudysShotsRender) {
     EXPECT_EQ(scenes, 5);
 }
 
+TEST_F(VirtualScene, TheShotsOfDepthRender) {
+    scratch_.copy_sample("study");  // their probes
+    for (const std::string name : {"figures", "room", "world"}) {
+        const fs::path shot = scratch_.copy_sample("depth_" + name);
+        const fs::path output = scratch_ / (name + "_%d.png");
+        const RunResult result = render(shot / (name + ".toml"), output, {"--frames", "0-0"});
+        ASSERT_TRUE(succeeded(result)) << name;
+        EXPECT_EQ(result.standard_error.find("warning"), std::string::npos) << result.standard_error;
+        const Image8 picture = read_rgb8(numbered(output, 0));
+        EXPECT_EQ(picture.width(), 512);
+        // What stands in the middle differs from what is above it.
+        EXPECT_FALSE(std::equal(picture.pixel(256, 256), picture.pixel(256, 256) + 3, picture.pixel(256, 4)));
+    }
+}
+
 TEST_F(VirtualScene, NeedsNoTrack) {
     const fs::path scene = write(small_clip, sky_and_ball);
     EXPECT_TRUE(
