@@ -61,15 +61,19 @@ struct Compositor::Impl {
     void keep_to_budget(const FrameBudget& budget);
     /// Also extends `object_bounds` (normalised coordinates) by every object in view.
     Reach reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
-                   Eigen::AlignedBox2d& object_bounds, double spread_px = 0);
+                   Eigen::AlignedBox2d& object_bounds, const LayerEffectPlan& spread = {});
     /// Also sets how the lens is focused.
     LayerEffectPlan layer_effects_of(const SolvedFrame& frame, FrameOptics& optics);
+    std::optional<FrameDefocus> defocus_of(const SolvedFrame& frame, FrameOptics& optics);
+    /// `left_out` says why there is none where the scene asks for it.
+    std::optional<FrameMotion> motion_of(const SolvedFrame& frame, std::string& left_out);
 
     GlContext& context;
     Solve solve;
     CompositorOptions options;
     Quality quality;
     Warnings& warnings;
+    std::optional<double> virtual_fps;  // of a scene without footage
     ShaderLibrary shaders;
     SurfaceRenderer surfaces;
     std::optional<SceneObjects> scene_objects;
@@ -102,6 +106,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
     load_objects(scene, warnings);
     light.emplace(shaders, surfaces, scene, quality, warnings);
     if (scene.camera) {
+        virtual_fps = scene.camera->fps;
         background.emplace(scene.background, light->probe(), solve.camera.width, solve.camera.height, warnings);
     }
     graph.set_leaves_out(options.leave_out);
@@ -224,9 +229,9 @@ SurfaceRenderer& Compositor::surfaces() {
 }
 
 Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
-                                 Eigen::AlignedBox2d& object_bounds, double spread_px) {
+                                 Eigen::AlignedBox2d& object_bounds, const LayerEffectPlan& spread) {
     constexpr int edge_px = 2;  // footprints and antialiased edges
-    const int margin_px = edge_px + static_cast<int>(std::ceil(spread_px));
+    const int margin_px = edge_px + static_cast<int>(std::ceil(spread.spread_px()));
     std::vector<Region> regions;
     for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
         const Eigen::AlignedBox2d bounds =
@@ -236,17 +241,66 @@ Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const 
         regions.push_back(plate_region(bounds, solve.camera, margin_px));
     }
     const std::optional<ContactShadow>& shadow = light->contact_shadow();
-    if (!shadow) return make_reach(regions, {}, 0, camera_from_world, lens_map, solve.camera);
+    if (!shadow) return make_reach(regions, {}, camera_from_world, lens_map, solve.camera);
     if (!footprint) footprint.emplace(shadow->far, shadow->fine, half_code(format));
+    const bool smeared = spread.motion && spread.motion->smears_shadow;
     return make_reach(
-        regions, [this](const Eigen::AlignedBox2d& box_m) { return footprint->touches(box_m); }, shadow->surface_z_m,
+        regions,
+        {.in = [this](const Eigen::AlignedBox2d& box_m) { return footprint->touches(box_m); },
+         .surface_z_m = shadow->surface_z_m,
+         .spread_px = smeared ? edge_px + static_cast<int>(std::ceil(spread.motion->surface.spread_px)) : 0},
         camera_from_world, lens_map, solve.camera);
 }
 
 LayerEffectPlan Compositor::Impl::layer_effects_of(const SolvedFrame& frame, FrameOptics& optics) {
     LayerEffectPlan plan;
+    if (!frame.camera_from_world) return plan;
+    plan.defocus = defocus_of(frame, optics);
+    plan.motion = motion_of(frame, plan.motion_left_out);
+    if (plan.motion && plan.blurs_focus() && plan.motion->settings.level != MotionBlurLevel::gather) {
+        warnings.add(
+            "motion blur is gathered, as depth of field blurs one picture; with depth_of_field at lens_samples the "
+            "scene is drawn at many times");
+        plan.motion->settings.level = MotionBlurLevel::gather;
+    }
+    return plan;
+}
+
+std::optional<FrameMotion> Compositor::Impl::motion_of(const SolvedFrame& frame, std::string& left_out) {
+    const std::optional<MotionBlurSettings>& settings = effects.settings().motion_blur;
+    if (!settings) return std::nullopt;
+    const auto otherwise = virtual_fps ? std::optional(usual_shutter) : std::nullopt;
+    const std::optional<double> share = shutter_share(*settings, solve, frame, otherwise, warnings);
+    if (!share) {
+        left_out = "how long the shutter is open is not known";
+        return std::nullopt;
+    }
+    FrameMotion motion{.settings = *settings,
+                       .shutter = {solve, frame, *share, 1 / virtual_fps.value_or(25)},
+                       .objects = {},
+                       .surface = {}};
+    if (!motion.shutter.knows_motion() && solve.frame_count > 1) {
+        warnings.add("frames whose neighbours have no pose get no motion blur by the camera");
+    }
+    motion.objects = object_motion_extent(surfaces, *scene_objects, motion.shutter, solve.camera);
+    if (const std::optional<ContactShadow>& shadow = light->contact_shadow()) {
+        motion.surface = surface_motion_extent(shadow->surface_z_m, motion.shutter, lens_map, solve.camera);
+    }
+    // One picture is blurred pixel by pixel, which leaves still ones alone; pictures at many times are not drawn of
+    // what stands still.
+    const bool drawn_all_the_same = !options.leave_out && settings->level == MotionBlurLevel::gather;
+    motion.smears_shadow = motion.surface.way_px >= least_motion_px || drawn_all_the_same;
+    motion.smears_objects = motion.objects.way_px >= least_motion_px || drawn_all_the_same;
+    if (!motion.smears_objects && !motion.smears_shadow) {
+        left_out = "nothing moves by a quarter of a pixel";
+        return std::nullopt;
+    }
+    return motion;
+}
+
+std::optional<FrameDefocus> Compositor::Impl::defocus_of(const SolvedFrame& frame, FrameOptics& optics) {
     const std::optional<DepthOfFieldSettings>& defocus = effects.settings().depth_of_field;
-    if (!defocus || !frame.camera_from_world) return plan;
+    if (!defocus) return std::nullopt;
     const std::optional<double> autofocus_m = scene_focus.depth_m(*defocus, *frame.camera_from_world, warnings);
     optics.focus = focus_of_frame(*defocus, solve, frame, autofocus_m, warnings);
     const std::vector<ObjectFocus> apart = scene_focus.apart(defocus->level, warnings);
@@ -261,8 +315,8 @@ LayerEffectPlan Compositor::Impl::layer_effects_of(const SolvedFrame& frame, Fra
         }
         range.extend(coc_range_of_box(focus, box_m, *frame.camera_from_world));
     }
-    if (!range.is_sharp() || !options.leave_out) plan.defocus = {*defocus, range, apart};
-    return plan;
+    if (range.is_sharp() && options.leave_out) return std::nullopt;
+    return FrameDefocus{*defocus, range, apart};
 }
 
 std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool whole_frame) {
@@ -287,7 +341,7 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
     plan.optics = optics_of(solved);
     plan.layer_effects = layer_effects_of(solved, plan.optics);
     if (plan.posed) {
-        plan.reach = reach_of(*solved.camera_from_world, format, plan.object_bounds, plan.layer_effects.spread_px());
+        plan.reach = reach_of(*solved.camera_from_world, format, plan.object_bounds, plan.layer_effects);
     }
     if (whole_frame)
         plan.reach = {.runs = {{0, 0, camera.width, camera.height}}, .bounds = {0, 0, camera.width, camera.height}};
@@ -307,6 +361,7 @@ FrameResources Compositor::Impl::resources() {
             .shaders = shaders,
             .graph = graph,
             .surfaces = surfaces,
+            .objects = *scene_objects,
             .light = *light,
             .composite = *composite_pass,
             .accumulator = accumulator,

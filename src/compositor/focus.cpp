@@ -3,30 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstdlib>
 #include <limits>
 
+#include "compositor/nearest_known.h"
 #include "render/virtual_layer.h"
 
 namespace matchlight {
-
-namespace {
-
-/// The frame itself where it knows `value`, else the one nearest in time that does.
-std::optional<double> known_near(const Solve& solve, const SolvedFrame& frame,
-                                 std::optional<double> SolvedFrame::*value) {
-    if (frame.*value) return frame.*value;
-    const SolvedFrame* nearest = nullptr;
-    for (const SolvedFrame& other : solve.frames) {
-        if (!(other.*value)) continue;
-        if (nearest == nullptr || std::abs(other.frame - frame.frame) < std::abs(nearest->frame - frame.frame))
-            nearest = &other;
-    }
-    return nearest != nullptr ? nearest->*value : std::nullopt;
-}
-
-}  // namespace
 
 Focus focus_of_frame(const DepthOfFieldSettings& settings, const Solve& solve, const SolvedFrame& frame,
                      std::optional<double> focused_depth_m, Warnings& warnings) {

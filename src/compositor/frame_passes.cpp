@@ -110,8 +110,8 @@ GraphTexture FramePasses::add_surface(bool layers) {
     SurfaceView view;
     view.width = static_cast<int>(std::ceil(span.x() * layer_.fx)) + 2 * margin + 1;
     view.height = static_cast<int>(std::ceil(span.y() * layer_.fy)) + 2 * margin + 1;
-    // Lens effects read the depth of single pixels.
-    view.samples = plan_.layer_effects.any() && !plan_.layer_effects.samples_lens() ? 1 : resources_.quality.samples;
+    // Depth of field reads the depth of single pixels.
+    view.samples = plan_.layer_effects.blurs_focus() ? 1 : resources_.quality.samples;
     const PinholeView pinhole{.fx = layer_.fx,
                               .fy = layer_.fy,
                               .cx = layer_.cx,
@@ -137,6 +137,7 @@ GraphTexture FramePasses::add_surface(bool layers) {
                             const ClipLight& lit = resources_.light;
                             layer_.hidden = resources_.surfaces.draw_hidden(lit.environment(), view, lit.shading());
                         }
+                        if (plan_.layer_effects.gathers_motion()) draw_ways(view);
                         if (!layers) return;
                         const SurfacePicture geometry = resources_.surfaces.draw_layers(view);
                         layer_.picture.depth_m = geometry.depth_m;
@@ -148,19 +149,29 @@ GraphTexture FramePasses::add_surface(bool layers) {
 
 SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeView& pinhole) {
     const ClipLight& lit = resources_.light;
-    if (!plan_.layer_effects.samples_lens()) return resources_.surfaces.draw(lit.environment(), view, lit.shading());
-    const DepthOfFieldSettings& settings = plan_.layer_effects.defocus->settings;
+    const LayerEffectPlan& effects = plan_.layer_effects;
+    const int count = effects.samples();
+    if (count == 1) return resources_.surfaces.draw(lit.environment(), view, lit.shading());
     const Focus& focus = plan_.optics.focus;
-    const std::vector<Eigen::Vector2d> points = lens_points(settings.bokeh, settings.lens_samples);
+    std::vector<Eigen::Vector2d> points(static_cast<std::size_t>(count), Eigen::Vector2d::Zero());
+    if (effects.samples_lens()) points = lens_points(effects.defocus->settings.bokeh, count);
+    const std::vector<double> times =
+        effects.samples_time() ? shutter_times(count, effects.samples_lens()) : std::vector<double>(points.size(), 0.0);
     const double opening_radius_m = focus.coc_scale_px_m / resources_.camera.fx / 2;
     SurfaceAccumulator& sum = resources_.accumulator;
     sum.begin(view.width, view.height);
-    for (const Eigen::Vector2d& point : points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        RigidTransform camera_from_world = plan_.optics.camera_from_world;
+        if (effects.samples_time()) {
+            const double time = times[i] * effects.motion->shutter.share();
+            camera_from_world = effects.motion->shutter.camera_from_world(time);
+            resources_.objects.place(effects.motion->shutter.time(time));
+        }
         // The picture shows the opening as light from beyond the focus does: turned by 180°.
-        const Eigen::Vector2d on_lens_m = -opening_radius_m * point;
+        const Eigen::Vector2d on_lens_m = -opening_radius_m * points[i];
         RigidTransform lens_from_camera = RigidTransform::Identity();
         lens_from_camera.translation() = Eigen::Vector3d(-on_lens_m.x(), -on_lens_m.y(), 0);
-        const RigidTransform lens_from_world = lens_from_camera * plan_.optics.camera_from_world;
+        const RigidTransform lens_from_world = lens_from_camera * camera_from_world;
         // Sheared, so that the plane of focus stays where it is.
         const auto clip_from_world = [&](double focus_distance_m) -> Eigen::Matrix4d {
             PinholeView sheared = pinhole;
@@ -169,24 +180,46 @@ SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeV
             return clip_from_camera(sheared) * lens_from_world.matrix();
         };
         SurfaceView seen = view;
-        seen.clip_from_world = clip_from_world(focus.focus_distance_m);
-        seen.eye_world_m = lens_from_world.inverse().translation();
         std::vector<ObjectView> apart;
-        for (const ObjectFocus& own : plan_.layer_effects.defocus->apart) {
-            apart.push_back(own.distance_m ? ObjectView{own.object, clip_from_world(*own.distance_m), seen.eye_world_m}
-                                           : ObjectView{own.object, view.clip_from_world, view.eye_world_m});
+        const Eigen::Matrix4d through_the_middle = clip_from_camera(pinhole) * camera_from_world.matrix();
+        seen.clip_from_world = effects.samples_lens() ? clip_from_world(focus.focus_distance_m) : through_the_middle;
+        seen.eye_world_m = lens_from_world.inverse().translation();
+        if (effects.samples_lens()) {
+            for (const ObjectFocus& own : effects.defocus->apart) {
+                apart.push_back(
+                    own.distance_m
+                        ? ObjectView{own.object, clip_from_world(*own.distance_m), seen.eye_world_m}
+                        : ObjectView{own.object, through_the_middle, camera_from_world.inverse().translation()});
+            }
         }
         seen.apart = apart;
         sum.add(resources_.surfaces.draw(lit.environment(), seen, lit.shading()),
                 1 / static_cast<double>(points.size()));
     }
+    if (effects.samples_time()) resources_.objects.place(effects.motion->shutter.time(0));
     return sum.picture();
+}
+
+void FramePasses::draw_ways(const SurfaceView& view) {
+    const FrameShutter& shutter = plan_.layer_effects.motion->shutter;
+    const double half_share = shutter.share() / 2;
+    std::vector<ObjectWay> ways;
+    for (std::size_t object = 0; object < resources_.surfaces.object_count(); ++object) {
+        const auto camera_from_model = [&](double time) -> Eigen::Matrix4d {
+            return shutter.camera_from_world(time).matrix() *
+                   resources_.objects.world_from_model(object, shutter.time(time));
+        };
+        ways.push_back({.opening_camera_from_model = camera_from_model(-half_share),
+                        .closing_camera_from_model = camera_from_model(half_share)});
+    }
+    layer_.ways = &resources_.surfaces.draw_ways(view, ways);
 }
 
 CompositeInput FramePasses::with_layer_effects(CompositeInput input) {
     const LayerEffectPlan& effects = plan_.layer_effects;
     if (!effects.defocus && resources_.effects.settings().depth_of_field)
         resources_.graph.leave_out("depth of field", "no circle of confusion is a quarter of a pixel wide");
+    if (!effects.motion_left_out.empty()) resources_.graph.leave_out("motion_blur", effects.motion_left_out);
     if (!effects.any()) return input;
     constexpr int margin_px = 2;
     const int spread_px = static_cast<int>(std::ceil(effects.spread_px()));
@@ -200,7 +233,8 @@ CompositeInput FramePasses::with_layer_effects(CompositeInput input) {
                                        .input = input,
                                        .layer_density = layer_.fx / resources_.camera.fx,
                                        .objects = objects,
-                                       .quality = resources_.quality.depth_of_field},
+                                       .defocus_quality = resources_.quality.depth_of_field,
+                                       .motion_quality = resources_.quality.motion_blur},
                                       effects);
     return input;
 }

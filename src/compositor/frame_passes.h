@@ -11,6 +11,7 @@
 #include "compositor/layer_effects.h"
 #include "compositor/quality.h"
 #include "compositor/reach.h"
+#include "compositor/scene_objects.h"
 #include "render/background.h"
 #include "render/composite_pass.h"
 #include "render/graph.h"
@@ -34,6 +35,7 @@ struct FrameResources {
     ShaderLibrary& shaders;
     RenderGraph& graph;
     SurfaceRenderer& surfaces;
+    SceneObjects& objects;
     ClipLight& light;
     CompositePass& composite;
     SurfaceAccumulator& accumulator;
@@ -58,8 +60,11 @@ private:
     /// Begins the frame in the graph, with the passes that draw objects and background.
     void begin(bool layers);
     GraphTexture add_surface(bool layers);
-    /// From every point of the lens that the layer is drawn from: once, unless defocus is drawn that way.
+    /// From every point of the lens and at every time that the layer is drawn at: once, unless defocus or motion blur
+    /// is drawn that way.
     SurfacePicture draw_surface(const SurfaceView& view, const PinholeView& pinhole);
+    /// How objects move over the layer.
+    void draw_ways(const SurfaceView& view);
     /// Adds what lens and shutter do to the layer to the composite's input.
     CompositeInput with_layer_effects(CompositeInput input);
     /// Decoded in the runs alone; empty without footage.

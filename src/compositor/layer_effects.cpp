@@ -1,6 +1,7 @@
 // One effect after the other on plate pixels.
 #include "compositor/layer_effects.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/effects/defocus_diffusion.h"
@@ -8,6 +9,7 @@
 #include "render/effects/defocus_mipmap.h"
 #include "render/effects/defocus_one_pass.h"
 #include "render/effects/defocus_two_pass.h"
+#include "render/effects/motion_blur.h"
 
 namespace matchlight {
 
@@ -23,7 +25,7 @@ GraphTexture add_gather(RenderGraph& graph, const LayerEffectInput& input, const
                              .focus = input.input.optics.focus,
                              .range = defocus.objects,
                              .bokeh = defocus.settings.bokeh},
-                            gather_knobs(input.quality));
+                            gather_knobs(input.defocus_quality));
 }
 
 /// By the methods that work on one picture of the layer.
@@ -50,47 +52,94 @@ GraphTexture add_defocus(RenderGraph& graph, ShaderLibrary& shaders, const Defoc
 }  // namespace
 
 double LayerEffectPlan::spread_px() const {
-    if (!defocus) return 0;
+    const double of_motion = motion ? motion->objects.spread_px : 0;
+    if (!defocus) return of_motion;
     const double widest_px = defocus->objects.widest_px();
     switch (defocus->settings.level) {
         case DepthOfFieldLevel::layers:
         case DepthOfFieldLevel::mipmap:
         case DepthOfFieldLevel::diffusion:
             // On coarser texels, or without an edge: four standard deviations of the disc.
-            return widest_px;
+            return widest_px + of_motion;
         case DepthOfFieldLevel::gather:
         case DepthOfFieldLevel::two_pass:
         case DepthOfFieldLevel::one_pass:
         case DepthOfFieldLevel::lens_samples:
             break;
     }
-    return widest_px / 2;
+    return widest_px / 2 + of_motion;
 }
 
 bool LayerEffectPlan::samples_lens() const {
     return defocus && defocus->settings.level == DepthOfFieldLevel::lens_samples;
 }
 
+bool LayerEffectPlan::samples_time() const {
+    return motion && motion->smears_objects && (samples_lens() || motion->settings.level != MotionBlurLevel::gather);
+}
+
+int LayerEffectPlan::samples() const {
+    const int of_lens = samples_lens() ? defocus->settings.lens_samples : 1;
+    return std::max(of_lens, samples_time() ? sub_frame_count(motion->settings) : 1);
+}
+
 bool LayerEffectPlan::needs_hidden(QualityLevel quality) const {
     return defocus && defocus->settings.level == DepthOfFieldLevel::gather && gather_knobs(quality).hidden;
 }
 
+namespace {
+
+/// What is out of focus, of the layer as drawn.
+GraphTexture add_defocused(RenderGraph& graph, const LayerEffectInput& input, const FrameDefocus& defocus) {
+    if (defocus.settings.level == DepthOfFieldLevel::gather) return add_gather(graph, input, defocus);
+    const ResolvedLayer resolved = input.composite.add_resolved_layer(graph, input.input, input.objects);
+    return add_defocus(graph, input.shaders,
+                       {.light = resolved.light,
+                        .inverse_depth = resolved.inverse_depth,
+                        .focus = input.input.optics.focus,
+                        .range = defocus.objects,
+                        .bokeh = defocus.settings.bokeh},
+                       defocus.settings.level, input.defocus_quality);
+}
+
+GraphTexture add_smeared(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan,
+                         GraphTexture light) {
+    const GraphTexture ways = add_plate_ways(graph, input.shaders, input.composite, input.input, input.objects);
+    return add_motion_blur(graph, input.shaders,
+                           {.light = light,
+                            .ways = ways,
+                            .way_px = plan.motion->objects.way_px,
+                            .soft_px = plan.defocus ? plan.defocus->objects.widest_px() / 2 : 0},
+                           motion_blur_knobs(input.motion_quality));
+}
+
+GraphTexture add_smeared_shadow(RenderGraph& graph, const LayerEffectInput& input, const FrameMotion& motion) {
+    const double half_share = motion.shutter.share() / 2;
+    const int spread_px = static_cast<int>(std::ceil(motion.surface.spread_px)) + 1;
+    return add_shadow_motion_blur(
+        graph, input.shaders, input.composite,
+        {.ratio = input.composite.add_shadow_ratio(graph, input.input, input.input.region.grown(spread_px)),
+         .input = input.input,
+         .ends = {.opening_camera_from_world = motion.shutter.camera_from_world(-half_share),
+                  .closing_camera_from_world = motion.shutter.camera_from_world(half_share)},
+         .way_px = motion.surface.way_px,
+         .region = input.input.region},
+        motion_blur_knobs(input.motion_quality));
+}
+
+}  // namespace
+
 PlateLayer add_layer_effects(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan) {
     PlateLayer layer;
-    if (!plan.any()) return layer;
-    if (plan.defocus && !plan.samples_lens() && input.input.layer_drawn) {
-        if (plan.defocus->settings.level == DepthOfFieldLevel::gather) {
-            layer.light = add_gather(graph, input, *plan.defocus);
-        } else {
-            const ResolvedLayer resolved = input.composite.add_resolved_layer(graph, input.input, input.objects);
-            layer.light = add_defocus(graph, input.shaders,
-                                      {.light = resolved.light,
-                                       .inverse_depth = resolved.inverse_depth,
-                                       .focus = input.input.optics.focus,
-                                       .range = plan.defocus->objects,
-                                       .bokeh = plan.defocus->settings.bokeh},
-                                      plan.defocus->settings.level, input.quality);
+    if (input.input.layer_drawn) {
+        if (plan.blurs_focus()) layer.light = add_defocused(graph, input, *plan.defocus);
+        if (plan.gathers_motion()) {
+            if (!layer.light) layer.light = input.composite.add_resolved_layer(graph, input.input, input.objects).light;
+            layer.light = add_smeared(graph, input, plan, layer.light);
         }
+    }
+    if (plan.motion && plan.motion->smears_shadow && input.input.shadow != nullptr) {
+        layer.shadow = add_smeared_shadow(graph, input, *plan.motion);
     }
     return layer;
 }

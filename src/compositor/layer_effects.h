@@ -2,9 +2,12 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "compositor/focus.h"
+#include "compositor/shutter.h"
+#include "compositor/virtual_motion.h"
 #include "gl/shader_library.h"
 #include "render/composite_pass.h"
 #include "render/effects/defocus_gather.h"
@@ -27,17 +30,34 @@ struct FrameDefocus {
     std::vector<ObjectFocus> apart{};  // objects with a focus of their own
 };
 
+/// What moves while a frame's shutter is open.
+struct FrameMotion {
+    MotionBlurSettings settings;
+    FrameShutter shutter;
+    MotionExtent objects;  // over all of them
+    MotionExtent surface;  // of the real surface's shadow
+    bool smears_objects = false, smears_shadow = false;
+};
+
 /// What a frame's layer goes through; nothing where all is sharp and still.
 struct LayerEffectPlan {
     std::optional<FrameDefocus> defocus;
+    std::optional<FrameMotion> motion;
+    std::string motion_left_out;  // why, where the scene asks for motion blur and the frame has none
 
-    bool any() const { return defocus.has_value(); }
+    bool any() const { return defocus || motion; }
     /// How far, in plate pixels, the layer's light leaves the place it was drawn at.
     double spread_px() const;
     /// Whether the layer is drawn from many points of the lens instead of being blurred afterwards.
     bool samples_lens() const;
     /// Whether what the nearest surface hides is drawn, too.
     bool needs_hidden(QualityLevel quality) const;
+    /// Whether it is drawn at many times. Points of the lens each have a time of their own, whatever the level.
+    bool samples_time() const;
+    /// Pictures that are drawn of the layer.
+    int samples() const;
+    bool blurs_focus() const { return defocus && !samples_lens(); }
+    bool gathers_motion() const { return motion && motion->smears_objects && !samples_time(); }
 };
 
 struct LayerEffectInput {
@@ -47,7 +67,8 @@ struct LayerEffectInput {
     const CompositeInput& input;  // with the layer as drawn
     double layer_density = 1;     // layer pixels along a plate pixel
     Region objects;               // plate pixels that the blurred layer can reach
-    QualityLevel quality = QualityLevel::final_;
+    QualityLevel defocus_quality = QualityLevel::final_;
+    QualityLevel motion_quality = QualityLevel::final_;
 };
 
 /// Adds the passes that `plan` asks for.

@@ -142,17 +142,19 @@ Reach tiles_of(const Camera& camera, const std::function<bool(int column, int ro
     return reach;
 }
 
-Reach make_reach(const std::vector<Region>& object_regions, const ShadowTest& shadow_in, double surface_z_m,
+Reach make_reach(const std::vector<Region>& object_regions, const ShadowReach& shadow,
                  const RigidTransform& camera_from_world, const LensMap& lens_map, const Camera& camera) {
     const RigidTransform world_from_camera = camera_from_world.inverse();
+    const Region frame{0, 0, camera.width, camera.height};
     return tiles_of(camera, [&](int column, int row) {
         const Region tile = tile_at(column, row, camera);
         for (const Region& region : object_regions) {
             if (!tile.intersected(region).empty()) return true;
         }
-        if (!shadow_in) return false;
-        const Eigen::AlignedBox2d seen = surface_seen(tile, surface_z_m, world_from_camera, lens_map);
-        return !seen.isEmpty() && shadow_in(seen);
+        if (!shadow.in) return false;
+        const Region around = tile.grown(shadow.spread_px).intersected(frame);
+        const Eigen::AlignedBox2d seen = surface_seen(around, shadow.surface_z_m, world_from_camera, lens_map);
+        return !seen.isEmpty() && shadow.in(seen);
     });
 }
 

@@ -48,8 +48,15 @@ Reach tiles_of(const Camera& camera, const std::function<bool(int column, int ro
 /// Whether a box of the real surface (world x, y) holds shadow.
 using ShadowTest = std::function<bool(const Eigen::AlignedBox2d& box_m)>;
 
-/// Tiles that lie in one of `object_regions` or see shadow on the surface at height `surface_z_m`.
-Reach make_reach(const std::vector<Region>& object_regions, const ShadowTest& shadow_in, double surface_z_m,
+/// Where the real surface holds shadow.
+struct ShadowReach {
+    ShadowTest in = {};  // empty: nowhere
+    double surface_z_m = 0;
+    int spread_px = 0;  // how far the camera's motion smears it in the picture
+};
+
+/// Tiles that lie in one of `object_regions` or see shadow on the surface.
+Reach make_reach(const std::vector<Region>& object_regions, const ShadowReach& shadow,
                  const RigidTransform& camera_from_world, const LensMap& lens_map, const Camera& camera);
 
 }  // namespace matchlight

@@ -79,8 +79,4 @@ PlacementChange SceneObjects::change_since_lit() const {
     return change;
 }
 
-ClipTime time_of(const SolvedFrame& frame) {
-    return {.frame = static_cast<double>(frame.frame), .time_s = frame.time_s};
-}
-
 }  // namespace matchlight

@@ -48,7 +48,4 @@ private:
     std::vector<Eigen::Matrix4d> lit_;
 };
 
-/// When a frame was exposed, at the middle of its exposure.
-ClipTime time_of(const SolvedFrame& frame);
-
 }  // namespace matchlight

@@ -6,6 +6,7 @@
 
 #include "gl/context.h"
 #include "render/surface_mesh.h"
+#include "render/virtual_layer.h"
 
 namespace matchlight {
 
@@ -50,6 +51,8 @@ struct SurfaceRenderer::Targets {
     Framebuffer hidden;
     Texture2D layer_depth_m, layer_normal, layer_id, layer_depth;
     Framebuffer layers;
+    Texture2D ways_color, ways_depth;
+    Framebuffer ways;
 
     static constexpr GLenum color_format = GL_RGBA16F;
     static constexpr GLenum depth_format = GL_DEPTH_COMPONENT32F;
@@ -109,6 +112,15 @@ struct SurfaceRenderer::Targets {
         shape.format = depth_format;
         layer_depth = Texture2D(shape);
         layers = Framebuffer({layer_depth_m, layer_normal, layer_id}, layer_depth);
+    }
+    void fit_ways(const SurfaceView& view) {
+        if (holds(ways_color, view, 0)) return;
+        TextureShape shape = shape_for(ways_color, view);
+        shape.format = GL_RGBA32F;
+        ways_color = Texture2D(shape);
+        shape.format = depth_format;
+        ways_depth = Texture2D(shape);
+        ways = Framebuffer({ways_color}, ways_depth);
     }
 };
 
@@ -202,6 +214,12 @@ Eigen::AlignedBox3d SurfaceRenderer::object_bounds_m(std::size_t index) const {
     return box;
 }
 
+Eigen::AlignedBox3d SurfaceRenderer::model_bounds_m(std::size_t index) const {
+    Eigen::AlignedBox3d box;
+    for (const Mesh& mesh : objects_.at(index).meshes) box.extend(mesh.geometry.bounds_m());
+    return box;
+}
+
 Eigen::AlignedBox3d SurfaceRenderer::bounds_m() const {
     Eigen::AlignedBox3d box;
     for (std::size_t i = 0; i < objects_.size(); ++i) box.extend(object_bounds_m(i));
@@ -246,7 +264,8 @@ void SurfaceRenderer::draw_mesh(Program& program, const SurfaceView& view, const
     }
 }
 
-void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Drawn drawn) const {
+void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Drawn drawn,
+                                  const std::function<void(std::size_t)>& place_more) const {
     struct Blended {
         const Object* object;
         const Mesh* mesh;
@@ -266,6 +285,7 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
         program.set("normal_from_model", Eigen::Matrix3f(linear.inverse().transpose().cast<float>()));
         program.set("reflects_sphere_map", object.reflection == ReflectionForm::sphere_map);
         program.set("object_id", static_cast<unsigned>(object.id));
+        if (place_more) place_more(static_cast<std::size_t>(&object - objects_.data()));
     };
     set_opaque_state();
     for (const Object& object : objects_) {
@@ -369,6 +389,27 @@ SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
             .depth_m = &targets_->layer_depth_m,
             .normal = &targets_->layer_normal,
             .object_id = &targets_->layer_id};
+}
+
+const Texture2D& SurfaceRenderer::draw_ways(const SurfaceView& view, std::span<const ObjectWay> ways) {
+    assert(view.width > 0 && view.height > 0 && ways.size() == objects_.size());
+    targets_->fit_ways(view);
+    Program& program = shaders_.program(
+        {{GL_VERTEX_SHADER, "effects/motion_blur/ways.vert"}, {GL_FRAGMENT_SHADER, "effects/motion_blur/ways.frag"}});
+    program.use();
+    program.set("near_m", near_plane_m);
+    const Region region{0, 0, view.width, view.height};
+    targets_->ways.bind(region);
+    begin_clearing(region);
+    targets_->ways.clear_color(0, 0, 0, 0, 0);
+    targets_->ways.clear_depth();
+    glDisable(GL_SCISSOR_TEST);
+    draw_meshes(program, view, Drawn::layers, [&](std::size_t index) {
+        const ObjectWay& way = ways[index];
+        program.set("opening_camera_from_model", Eigen::Matrix4f(way.opening_camera_from_model.cast<float>()));
+        program.set("closing_camera_from_model", Eigen::Matrix4f(way.closing_camera_from_model.cast<float>()));
+    });
+    return targets_->ways_color;
 }
 
 void SurfaceRenderer::bake_visibility(Program& program) {

@@ -45,6 +45,12 @@ struct SurfacePicture {
     const Texture2D* object_id = nullptr;  // 0 where nothing is; R32UI
 };
 
+/// Where an object's points are when the shutter opens and closes.
+struct ObjectWay {
+    Eigen::Matrix4d opening_camera_from_model = Eigen::Matrix4d::Identity();
+    Eigen::Matrix4d closing_camera_from_model = Eigen::Matrix4d::Identity();
+};
+
 /// An object as it is added; `model` is only read while adding.
 struct SurfaceObject {
     const Model* model = nullptr;
@@ -88,6 +94,8 @@ public:
 
     /// Box in world axes around an object, and around all of them (empty when there are none).
     Eigen::AlignedBox3d object_bounds_m(std::size_t index) const;
+    /// The same of one object in its own model's axes.
+    Eigen::AlignedBox3d model_bounds_m(std::size_t index) const;
     Eigen::AlignedBox3d bounds_m() const;
     /// Around those that draw_shadow_casters draws.
     Eigen::AlignedBox3d shadow_caster_bounds_m() const;
@@ -99,6 +107,11 @@ public:
                                const SurfaceShading& shading = {});
     /// Depth, normal and object id, one sample a pixel; the colour of the picture is null.
     SurfacePicture draw_layers(const SurfaceView& view);
+
+    /// How what is nearest in each pixel moves, one way for each object: normalised camera coordinates (x/z, y/z) at
+    /// the shutter's closing less those at its opening, the object's id, 1/z (1/m); all 0 where nothing is. RGBA32F;
+    /// the picture is the top-left part, and holds until the next call.
+    const Texture2D& draw_ways(const SurfaceView& view, std::span<const ObjectWay> ways);
 
     /// Runs a compute program over the vertices of every mesh, to keep what it finds of their light with them (see
     /// render/effects/object_shadow.h). Sets `world_from_model` and `normal_from_model` for each object.
@@ -122,7 +135,9 @@ private:
     /// The program for light, with what it reads set.
     Program& light_program(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading,
                            Drawn drawn);
-    void draw_meshes(Program& program, const SurfaceView& view, Drawn drawn) const;
+    /// `place_more` sets what else a program needs of an object, by its index.
+    void draw_meshes(Program& program, const SurfaceView& view, Drawn drawn,
+                     const std::function<void(std::size_t)>& place_more = {}) const;
     void draw_mesh(Program& program, const SurfaceView& view, const Object& object, const Mesh& mesh) const;
 
     ShaderLibrary& shaders_;

@@ -15,6 +15,7 @@ struct VirtualLayer {
     SurfacePicture picture;                 // colour null where nothing is in view
     SurfacePicture hidden;                  // what the nearest surface hides; colour null unless asked for
     double fx = 0, fy = 0, cx = 0, cy = 0;  // of its own pixels, centres at whole numbers
+    const Texture2D* ways = nullptr;        // SurfaceRenderer::draw_ways; null unless motion is gathered
 };
 
 /// The same in plate pixels, after what lens and shutter do to it. Where a texture is empty the composite works it out

@@ -9,7 +9,8 @@ const std::vector<NamedExperiment>& all_experiments() {
         {"object_shadow", object_shadow_experiment},     {"reflection", reflection_experiment},
         {"glossy_reflection", glossy_experiment},        {"bloom", bloom_experiment},
         {"classic_bloom", classic_bloom_experiment},     {"streaks", streaks_experiment},
-        {"classic_streaks", classic_streaks_experiment}, {"diffraction", diffraction_experiment}};
+        {"classic_streaks", classic_streaks_experiment}, {"diffraction", diffraction_experiment},
+        {"motion_blur", motion_blur_experiment}};
     return experiments;
 }
 

@@ -28,6 +28,9 @@ std::optional<Experiment> reflection_experiment(const SceneStage& stage, const E
 /// What a glossy surface shows of it: lookups of the rough levels.
 std::optional<Experiment> glossy_experiment(const SceneStage& stage, const ExperimentOptions& options);
 
+/// What moves while the shutter is open: gathered from one picture, or drawn at several times.
+std::optional<Experiment> motion_blur_experiment(const SceneStage& stage, const ExperimentOptions& options);
+
 /// Bloom as a mixture of Gaussians, and as the study had it.
 std::optional<Experiment> bloom_experiment(const SceneStage& stage, const ExperimentOptions& options);
 std::optional<Experiment> classic_bloom_experiment(const SceneStage& stage, const ExperimentOptions& options);

@@ -47,6 +47,8 @@ std::vector<StabilityCase> frame_cases();
 std::vector<StabilityCase> wave_glare_cases();
 /// The post-process methods of depth of field, and what each is known for: likewise.
 std::vector<StabilityCase> defocus_cases();
+/// Motion blur gathered from one picture: likewise.
+std::vector<StabilityCase> motion_blur_cases();
 /// The pose of a tag over sizes, tilts, blurs and noise, against other libraries': on the CPU.
 std::vector<StabilityCase> tag_pose_cases(bool quick);
 /// All of them; `quick` leaves out most of the slow ones.

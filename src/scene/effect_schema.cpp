@@ -93,6 +93,8 @@ const std::vector<SceneSection>& effect_sections() {
         {"effects.depth_of_field", SectionUse::nested, "What is out of focus blurs.",
          [](Scene& s) { s.effects.depth_of_field.emplace(); }},
         {"effects.depth_of_field.bokeh", SectionUse::nested, "The shape of out-of-focus discs.", nullptr},
+        {"effects.motion_blur", SectionUse::nested, "What moves while the shutter is open is smeared.",
+         [](Scene& s) { s.effects.motion_blur.emplace(); }},
     };
     return sections;
 }
@@ -144,7 +146,8 @@ std::vector<Setting> all_effect_settings() {
          "auto: footage keeps its own (as with off), other scenes are metered frame by frame", nullptr},
         {"effects", "depth_of_field", of_kind(effect), "", "\"off\"",
          "objects blur as the solve, or the scene's camera, says that the lens does", nullptr},
-        {"effects", "motion_blur", of_kind(left_out), "", "\"off\"", "off", nullptr},
+        {"effects", "motion_blur", of_kind(effect), "", "\"off\"",
+         "what moves while the shutter is open is smeared; the shutter is the solve's", nullptr},
         {"effects", "grain", of_kind(left_out), "", "\"off\"", "off", nullptr},
         {"effects", "vignette", of_kind(left_out), "", "\"off\"", "off", nullptr},
         {"effects", "chromatic_aberration", of_kind(left_out), "", "\"off\"", "off", nullptr},
@@ -172,6 +175,7 @@ std::vector<Setting> all_effect_settings() {
     };
     add_exposure_settings(settings);
     add_depth_of_field_settings(settings);
+    add_motion_blur_settings(settings);
     add_glare_settings<glare_of_all>(settings, "effects.glare", "effects.glare.aperture");
     add_glare_settings<glare_of_dazzle>(settings, "effects.dazzle.glare", "effects.dazzle.glare.aperture");
     return settings;

@@ -75,4 +75,9 @@ void DepthOfFieldSettings::check() const {
     bokeh.check();
 }
 
+void MotionBlurSettings::check() const {
+    if (shutter) check_range("motion_blur shutter", *shutter, 0, 1);
+    check_range("motion_blur sub_frames", sub_frames, 1, 65536);
+}
+
 }  // namespace matchlight

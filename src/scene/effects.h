@@ -140,12 +140,30 @@ struct DepthOfFieldSettings {
 /// Circles of confusion narrower than this, in plate pixels, are none.
 inline constexpr double least_coc_px = 0.25;
 
+/// How what moves while the shutter is open is smeared. `gather` blurs one picture along the way of each pixel; the
+/// others draw the scene at many times.
+enum class MotionBlurLevel { gather, sub_frames, reference };
+
+/// The shutter is open around the middle of a frame's exposure, for which the solve's poses hold.
+struct MotionBlurSettings {
+    MotionBlurLevel level = MotionBlurLevel::gather;
+    std::optional<double> shutter = {};  // share of a frame's time; instead of what the solve says
+    int sub_frames = 8;                  // of that level
+
+    void check() const;
+};
+/// Ways shorter than this, in plate pixels, are none.
+inline constexpr double least_motion_px = 0.25;
+/// Of scenes without footage: half the frame's time, the rotary shutter of film cameras.
+inline constexpr double usual_shutter = 0.5;
+
 struct EffectSettings {
     std::optional<BloomSettings> bloom;
     std::optional<GlareSettings> glare;
     std::optional<DazzleSettings> dazzle;
     std::optional<ExposureSettings> exposure;
     std::optional<DepthOfFieldSettings> depth_of_field;
+    std::optional<MotionBlurSettings> motion_blur;
 };
 
 }  // namespace matchlight
