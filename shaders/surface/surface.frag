@@ -17,10 +17,6 @@ uniform bool is_classic = false;
 uniform vec3 classic_diffuse = vec3(0.0);   // Od
 uniform vec3 classic_specular = vec3(0.0);  // Ks
 
-#ifdef BEHIND_NEAREST
-uniform sampler2D nearest_depth_share;      // near_m / z of the nearest surface, 0 where nothing is
-#endif
-
 layout(location = 0) out vec4 color;
 
 // Over 65504 a half float is infinite, and one infinity floods every blur after it.
@@ -60,11 +56,6 @@ Scattering scattering(vec3 f0, vec2 table) {
 }
 
 void main() {
-#ifdef BEHIND_NEAREST
-    // The nearest surface itself, drawn again, may differ by rounding.
-    const float same = 1.0 - 1e-5;
-    if (gl_FragCoord.z >= same * texelFetch(nearest_depth_share, ivec2(gl_FragCoord.xy), 0).r) discard;
-#endif
     vec4 base = base_color_at(material_uv, vertex_color);
     if (base.a < alpha_cutoff) discard;
     float alpha = alpha_blends ? clamp(base.a, 0.0, 1.0) : 1.0;

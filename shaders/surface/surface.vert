@@ -18,6 +18,9 @@ out vec2 material_uv;
 out vec4 vertex_color;
 out vec3 vertex_visibility;
 
+// Drawn again by another program, a vertex is where it was.
+invariant gl_Position;
+
 void main() {
     world_position = (world_from_model * vec4(position, 1.0)).xyz;
     world_normal = normal_from_model * normal;

@@ -243,6 +243,12 @@ public:
         glDrawArraysIndirect(GL_TRIANGLES, nullptr);
     }
 
+    /// Instead of the triangle: strips of four vertices each, placed by a vertex shader of its own.
+    void draw_quads(int count) const {
+        vertices_.bind();
+        glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
+    }
+
 private:
     VertexArray vertices_;  // the core profile wants one even without attributes
 };

@@ -93,7 +93,7 @@ public:
     /// RGB ratio of the shadow over `region`, 1 where none is visible: what add() composites, bit for bit.
     GraphTexture add_shadow_ratio(RenderGraph& graph, const CompositeInput& input, const Region& region);
     /// Sets the uniforms of common/lens_map.glsl, composite/layer.glsl and, but for those of the focus,
-    /// effects/depth_of_field/fragments.glsl; takes texture units 1, 3, 9, 12 and 13.
+    /// effects/depth_of_field/gather_resolve.frag; takes texture units 1, 3, 9, 12 and 13.
     void set_layer(Program& program, const CompositeInput& input) const;
     /// From light to code values, with the spilled light.
     ResponsePicture add_response(RenderGraph& graph, const ResponseInput& input);

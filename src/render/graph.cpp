@@ -352,6 +352,11 @@ void PassRun::draw(Program& program) const {
     graph_->triangle_.draw();
 }
 
+void PassRun::draw_quads(Program& program, int count) const {
+    program.set("target_region", Eigen::Vector4i(region_.x, region_.y, region_.width, region_.height));
+    graph_->triangle_.draw_quads(count);
+}
+
 void PassRun::draw_if(const GpuCondition& condition, Program& program) const {
     program.set("target_region", Eigen::Vector4i(region_.x, region_.y, region_.width, region_.height));
     condition.draw_if_met(graph_->triangle_);

@@ -163,6 +163,8 @@ public:
     /// it.
     void draw(Program& program) const;
     void draw_if(const GpuCondition& condition, Program& program) const;
+    /// As often as `count` a strip of four vertices, which the program's vertex shader places: parts of region().
+    void draw_quads(Program& program, int count) const;
 
 private:
     friend class RenderGraph;

@@ -288,11 +288,15 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
         if (place_more) place_more(static_cast<std::size_t>(&object - objects_.data()));
     };
     set_opaque_state();
+    if (drawn == Drawn::hidden_light) {
+        glDepthFunc(GL_EQUAL);
+        glDepthMask(GL_FALSE);
+    }
     for (const Object& object : objects_) {
         place(object);
         for (const Mesh& mesh : object.meshes) {
             const bool blends = object.material_of(mesh).blends();
-            if (blends && drawn == Drawn::hidden_light) continue;
+            if (blends && (drawn == Drawn::hidden_depth || drawn == Drawn::hidden_light)) continue;
             if (blends && drawn == Drawn::light) {
                 const double distance_m = (object.bounds_of(mesh).center() - view.eye_world_m).norm();
                 blended.push_back({&object, &mesh, distance_m});
@@ -311,11 +315,9 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
 }
 
 Program& SurfaceRenderer::light_program(const Environment& environment, const SurfaceView& view,
-                                        const SurfaceShading& shading, Drawn drawn) {
-    ShaderDefines defines;
-    if (drawn == Drawn::hidden_light) defines["BEHIND_NEAREST"] = "1";
-    Program& program = shaders_.program(
-        {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}}, defines);
+                                        const SurfaceShading& shading) {
+    Program& program =
+        shaders_.program({{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}});
     program.use();
     program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));
     environment.bind(program);
@@ -332,7 +334,7 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     assert(view.width > 0 && view.height > 0 && view.samples > 0);
     const int samples = std::min(view.samples, current_gl_context()->info().max_samples);
     targets_->fit_color(view, samples);
-    Program& program = light_program(environment, view, shading, Drawn::light);
+    Program& program = light_program(environment, view, shading);
     const Region region{0, 0, view.width, view.height};
     const Framebuffer& target = samples > 1 ? targets_->multisampled : targets_->resolved;
     target.bind(region);
@@ -352,8 +354,6 @@ SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, cons
                                             const SurfaceShading& shading) {
     assert(targets_->depth && Targets::holds(targets_->color, view, 0));
     targets_->fit_hidden(view);
-    Program& program = light_program(environment, view, shading, Drawn::hidden_light);
-    program.bind_texture("nearest_depth_share", nearest_depth_unit, targets_->depth);
     const Region region{0, 0, view.width, view.height};
     const Framebuffer& target = targets_->hidden;
     target.bind(region);
@@ -361,7 +361,15 @@ SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, cons
     target.clear_color(0, 0, 0, 0, 0);
     target.clear_depth();
     glDisable(GL_SCISSOR_TEST);
-    draw_meshes(program, view, Drawn::hidden_light);
+    // First where it is, then how it looks: so that little of it is shaded in vain, for mostly little is hidden.
+    Program& depth = shaders_.program(
+        {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/hidden_depth.frag"}});
+    depth.use();
+    depth.bind_texture("nearest_depth_share", nearest_depth_unit, targets_->depth);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    draw_meshes(depth, view, Drawn::hidden_depth);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    draw_meshes(light_program(environment, view, shading), view, Drawn::hidden_light);
     return {.width = view.width,
             .height = view.height,
             .color = &targets_->hidden_color,

@@ -6,13 +6,12 @@
 // rest.
 
 #include "common/graph.glsl"
-#include "common/lens_map.glsl"
-#include "composite/layer.glsl"
-#include "effects/depth_of_field/fragments.glsl"
 
 uniform sampler2D before;           // of the passes before this one, in `light`
 uniform ivec4 before_region;
 uniform sampler2D before_required;
+uniform sampler2D sharp;            // gather_resolve.frag
+uniform ivec4 sharp_region;
 uniform int sharp_place;            // how many of this pass' classes are before what is sharp; −1: it is elsewhere
 uniform int is_last;
 
@@ -46,45 +45,15 @@ void add(vec4 next) {
     light += next.a > left + rounding ? next * max(left, 0.0) / next.a : next;
 }
 
-// The layer's light over a pixel, as layer_over_pixel() has it, of points that stay sharp alone.
-vec4 sharp_over_pixel(vec2 pixel) {
-    vec2 normalized = normalized_from_pixel(pixel);
-    if (any(isnan(normalized)) || layer_present == 0) return vec4(0.0);
-    vec2 footprint = layer_footprint(pixel, normalized);
-    vec2 centre = layer_position(normalized);
-    vec2 low = centre - 0.5 * footprint;
-    vec2 high = centre + 0.5 * footprint;
-    ivec2 first = max(ivec2(floor(low)), ivec2(0));
-    ivec2 last = min(ivec2(ceil(high)), layer_size) - 1;
-    vec4 sum = vec4(0.0);
-    for (int y = first.y; y <= last.y; ++y) {
-        float height = min(high.y, float(y + 1)) - max(low.y, float(y));
-        for (int x = first.x; x <= last.x; ++x) {
-            float width = min(high.x, float(x + 1)) - max(low.x, float(x));
-            float depth_share = texelFetch(layer_depth_share, ivec2(x, y), 0).r;
-            // Without a depth it is a surface that lets light through over nothing else.
-            if (depth_share == 0.0 || class_of(signed_coc_px(depth_share)) == 0) {
-                sum += width * height * texelFetch(layer, ivec2(x, y), 0);
-            } else if (hidden_present != 0) {
-                depth_share = texelFetch(hidden_depth_share, ivec2(x, y), 0).r;
-                if (depth_share > 0.0 && class_of(signed_coc_px(depth_share)) == 0)
-                    sum += width * height * texelFetch(hidden_layer, ivec2(x, y), 0);
-            }
-        }
-    }
-    return sum / (footprint.x * footprint.y);
-}
-
 #define ADD(N) \
-    if (sharp_place == N) add(sharp_over_pixel(pixel)); \
+    if (sharp_place == N) add(fetch_or_zero(sharp, sharp_region, target_texel())); \
     { \
-        vec2 position = (pixel + 0.5) / float(class##N##_scale) - 0.5; \
+        vec2 position = (vec2(target_texel()) + 0.5) / float(class##N##_scale) - 0.5; \
         add(linear_or_zero(class##N, class##N##_region, position)); \
         required = max(required, linear_or_zero(required##N, class##N##_region, position).r); \
     }
 
 void main() {
-    vec2 pixel = vec2(target_texel());
     light = fetch_or_zero(before, before_region, target_texel());
     required = fetch_or_zero(before_required, before_region, target_texel()).r;
 #if CLASSES > 0
@@ -99,6 +68,6 @@ void main() {
 #if CLASSES > 3
     ADD(3)
 #endif
-    if (sharp_place == CLASSES) add(sharp_over_pixel(pixel));
+    if (sharp_place == CLASSES) add(fetch_or_zero(sharp, sharp_region, target_texel()));
     if (is_last != 0 && light.a > 0.0 && light.a < required) light *= required / light.a;
 }

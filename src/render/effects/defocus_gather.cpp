@@ -2,7 +2,6 @@
 #include "render/effects/defocus_gather.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -18,8 +17,9 @@ namespace {
 
 constexpr int mask_tile_px = 16;
 constexpr int tile_texels = 8;
-/// Beside those of the layer (CompositePass::set_layer) and of the pass before.
-constexpr std::array<GLuint, 6> free_units{4, 5, 6, 7, 8, 10};
+constexpr std::size_t most_classes_a_pass = 4;  // gather_combine.frag
+/// After those of any pass.
+constexpr GLuint tile_unit = 15;
 constexpr double disc_step_texels = 1.0 / 16;
 /// Lenses bend: a disc may be drawn this much larger than a straight lens has it.
 constexpr double most_magnification = 1.25;
@@ -77,8 +77,8 @@ public:
     }
 
     GraphTexture add() {
-        const Region spread = input_.region.grown(static_cast<int>(std::ceil(farthest_read_px())));
-        add_mask(spread);
+        add_resolved();
+        add_tiles();
         std::vector<ClassPicture> before, beyond;  // each from the nearest to the farthest
         for (int k = near_classes_; k >= 1; --k) before.push_back(add_class(-k));
         for (int k = 1; k <= far_classes_; ++k) beyond.push_back(add_class(k));
@@ -90,41 +90,111 @@ private:
         return class_of(std::clamp(coc_px, -largest_px_, largest_px_), knobs_.first_class_px);
     }
     int texel_px_of(int own_class) const { return knobs_.finest_texel_px << (std::abs(own_class) - 1); }
-    /// Of the drawn discs, and a texel for who magnifies the class.
-    int reach_texels() const {
-        return static_cast<int>(std::ceil(most_magnification * knobs_.first_class_px / 2 / knobs_.finest_texel_px)) + 2;
+    /// Of the widest disc of any class, drawn.
+    double widest_disc_texels() const {
+        return most_magnification * knobs_.first_class_px / 2 / knobs_.finest_texel_px;
     }
-    double farthest_read_px() const { return (reach_texels() + 2.0) * texel_px_of(std::max(class_count_, 1)); }
+    /// How far a texel's light can go, and a texel for who magnifies the class.
+    int reach_texels() const { return static_cast<int>(std::ceil(widest_disc_texels())) + 2; }
+    int reach_px(int own_class) const { return (reach_texels() + 2) * texel_px_of(own_class); }
 
-    void bind_fragments(Program& program) const {
-        input_.bind_layer(program);
-        program.set("coc_scale_px_m", input_.focus.coc_scale_px_m);
-        program.set("focus_per_m", 1 / input_.focus.focus_distance_m);
-        program.set("largest_coc_px", largest_px_);
+    void set_classes(Program& program) const {
         program.set("least_coc_px", least_coc_px);
         program.set("first_class_px", knobs_.first_class_px);
-        program.set("layer_density", input_.layer_density);
-        const Region frame = graph_.frame();
-        program.set("frame_px", Eigen::Vector2f(static_cast<float>(frame.width), static_cast<float>(frame.height)));
+        program.set("class_count", class_count_);
     }
 
-    void add_mask(const Region& spread) {
-        mask_ = graph_.add_pass({.name = "defocus/mask",
-                                 .reads = {{input_.layer_drawn}},
-                                 .writes = {GL_R32F},
-                                 .scale = mask_tile_px,
-                                 .region = texels_of(spread, mask_tile_px),
-                                 .beyond_frame = true,
-                                 .draw = [this_ = *this](PassRun& run) {
-                                     Program& program =
-                                         this_.shaders_.full_screen("effects/depth_of_field/gather_mask.frag");
-                                     program.use();
-                                     this_.bind_fragments(program);
-                                     program.set("tile_px", mask_tile_px);
-                                     program.set("class_count", this_.class_count_);
-                                     run.draw(program);
-                                 }})[0];
+    void add_resolved() {
+        const Region spread = input_.region.grown(class_count_ > 0 ? reach_px(class_count_) : 0);
+        const GLenum wide = knobs_.full_float ? GL_RGBA32F : GL_RGBA16F;
+        const std::vector<GraphTexture> resolved = graph_.add_pass(
+            {.name = "defocus/resolve",
+             .reads = {{input_.layer_drawn}},
+             .writes = {GL_RGBA32F, wide, wide, wide},
+             .region = spread,
+             .beyond_frame = true,
+             .draw = [this_ = *this](PassRun& run) {
+                 ShaderDefines defines;
+                 if (this_.knobs_.hidden) defines["HIDDEN"] = "1";
+                 Program& program = this_.shaders_.full_screen("effects/depth_of_field/gather_resolve.frag", defines);
+                 program.use();
+                 this_.input_.bind_layer(program);
+                 this_.set_classes(program);
+                 program.set("coc_scale_px_m", this_.input_.focus.coc_scale_px_m);
+                 program.set("focus_per_m", 1 / this_.input_.focus.focus_distance_m);
+                 program.set("largest_coc_px", this_.largest_px_);
+                 program.set("layer_density", this_.input_.layer_density);
+                 const Region frame = this_.graph_.frame();
+                 program.set("frame_px",
+                             Eigen::Vector2f(static_cast<float>(frame.width), static_cast<float>(frame.height)));
+                 run.draw(program);
+             }});
+        sharp_ = resolved[0];
+        front_ = resolved[1];
+        back_ = resolved[2];
+        circles_ = resolved[3];
     }
+
+    /// Which classes each tile shows, and which reach it.
+    void add_tiles() {
+        const Region tiles = texels_of(graph_.shape(circles_).region, mask_tile_px);
+        const GraphTexture shown = graph_.add_pass({.name = "defocus/mask",
+                                                    .reads = {{circles_}},
+                                                    .writes = {GL_R32F},
+                                                    .scale = mask_tile_px,
+                                                    .region = tiles,
+                                                    .beyond_frame = true,
+                                                    .draw = [this_ = *this](PassRun& run) {
+                                                        Program& program = this_.shaders_.full_screen(
+                                                            "effects/depth_of_field/gather_mask.frag");
+                                                        program.use();
+                                                        run.bind(program, "circles", 0, this_.circles_);
+                                                        this_.set_classes(program);
+                                                        program.set("tile_px", mask_tile_px);
+                                                        run.draw(program);
+                                                    }})[0];
+        reached_ =
+            graph_.add_pass({.name = "defocus/reach",
+                             .reads = {{shown}},
+                             .writes = {GL_R32F},
+                             .scale = mask_tile_px,
+                             .region = tiles,
+                             .beyond_frame = true,
+                             .draw = [this_ = *this, shown](PassRun& run) {
+                                 Program& program =
+                                     this_.shaders_.full_screen("effects/depth_of_field/gather_reach.frag");
+                                 program.use();
+                                 run.bind(program, "classes", 0, shown);
+                                 this_.set_classes(program);
+                                 program.set("tile_px", mask_tile_px);
+                                 program.set("first_reach_px", static_cast<double>(this_.reach_px(1)));
+                                 program.set("farthest_tiles", this_.reach_px(this_.class_count_) / mask_tile_px + 1);
+                                 run.draw(program);
+                             }})[0];
+    }
+
+    /// Draws where one of the classes reaches; the rest is zero.
+    void draw_reached(PassRun& run, const std::string& fragment_file, const ShaderDefines& defines, unsigned bits,
+                      const std::function<void(Program&)>& set) const {
+        // Tiles of whole texels, or, of coarser ones, everything: there is little of it.
+        const bool by_tiles = run.scale() <= mask_tile_px;
+        Program& program = by_tiles ? shaders_.program({{GL_VERTEX_SHADER, "effects/depth_of_field/gather_tile.vert"},
+                                                        {GL_FRAGMENT_SHADER, fragment_file}},
+                                                       defines)
+                                    : shaders_.full_screen(fragment_file, defines);
+        program.use();
+        set(program);
+        if (!by_tiles) return run.draw(program);
+        run.bind(program, "reached", tile_unit, reached_);
+        program.set("wanted_bits", bits);
+        program.set("quad_texels", mask_tile_px / run.scale());
+        const Region& tiles = graph_.shape(reached_).region;
+        run.draw_quads(program, tiles.width * tiles.height);
+    }
+    static void clear(const PassRun& run, int targets) {
+        for (int i = 0; i < targets; ++i) run.target().clear_color(i, 0, 0, 0, 0);
+    }
+    unsigned bit_of(int own_class) const { return 1U << static_cast<unsigned>(own_class + class_count_); }
 
     ClassPicture add_class(int own_class) {
         const int texel_px = texel_px_of(own_class);
@@ -132,29 +202,29 @@ private:
         const Region target = texels_of(input_.region, texel_px).grown(1);
         const GLenum wide = knobs_.full_float ? GL_RGBA32F : GL_RGBA16F;
         const GLenum narrow = knobs_.full_float ? GL_RG32F : GL_RG16F;
-        const std::vector<GraphTexture> binned =
-            graph_.add_pass({.name = name + " sorted",
-                             .reads = {{input_.layer_drawn}, {mask_}},
-                             .writes = {wide, narrow},
-                             .scale = texel_px,
-                             .region = target.grown(reach_texels()),
-                             .beyond_frame = true,
-                             .draw = [this_ = *this, own_class, texel_px](PassRun& run) {
-                                 Program& program =
-                                     this_.shaders_.full_screen("effects/depth_of_field/gather_bin.frag");
-                                 program.use();
-                                 this_.bind_fragments(program);
-                                 run.bind(program, "classes", 0, this_.mask_);
-                                 program.bind_texture("kernels", 2, this_.discs_);
-                                 program.set("tile_px", mask_tile_px);
-                                 program.set("class_count", this_.class_count_);
-                                 program.set("own_class", own_class);
-                                 program.set("texel_px", texel_px);
-                                 program.set("kernel_step", disc_step_texels);
-                                 program.set("kernel_row", static_cast<int>(std::lround(std::log2(texel_px))));
-                                 run.draw(program);
-                             }});
-        const GraphTexture discs = binned[1];
+        const std::vector<GraphTexture> sorted = graph_.add_pass(
+            {.name = name + " sorted",
+             .reads = {{front_}, {back_}, {circles_}, {reached_}},
+             .writes = {wide, narrow},
+             .scale = texel_px,
+             .region = target.grown(reach_texels()),
+             .beyond_frame = true,
+             .draw = [this_ = *this, own_class, texel_px](PassRun& run) {
+                 clear(run, 2);
+                 this_.draw_reached(run, "effects/depth_of_field/gather_sort.frag", {}, this_.bit_of(own_class),
+                                    [&](Program& program) {
+                                        run.bind(program, "front", 0, this_.front_);
+                                        run.bind(program, "back", 1, this_.back_);
+                                        run.bind(program, "circles", 2, this_.circles_);
+                                        program.bind_texture("kernels", 3, this_.discs_);
+                                        this_.set_classes(program);
+                                        program.set("own_class", own_class);
+                                        program.set("texel_px", texel_px);
+                                        program.set("kernel_step", disc_step_texels);
+                                        program.set("kernel_row", static_cast<int>(std::lround(std::log2(texel_px))));
+                                    });
+             }});
+        const GraphTexture discs = sorted[1];
         const GraphTexture widest =
             graph_.add_pass({.name = name + " tiles",
                              .reads = {{discs}},
@@ -170,41 +240,41 @@ private:
                                  run.draw(program);
                              }})[0];
         std::vector<Eigen::Vector4f> taps;
-        for (const DiscTap& tap : disc_taps(input_.bokeh, reach_texels() - 2.0, own_class < 0)) {
+        for (const DiscTap& tap : disc_taps(input_.bokeh, widest_disc_texels(), own_class < 0)) {
             taps.emplace_back(static_cast<float>(tap.offset.x()), static_cast<float>(tap.offset.y()),
                               static_cast<float>(tap.distance), 0.0F);
         }
-        const std::vector<GraphTexture> gathered =
-            graph_.add_pass({.name = name,
-                             .reads = {{binned[0]}, {discs}, {widest}},
-                             .writes = {wide, GL_R16F},
-                             .scale = texel_px,
-                             .region = target,
-                             .beyond_frame = true,
-                             .draw = [&shaders = shaders_, light_share = binned[0], discs, widest, taps](PassRun& run) {
-                                 Program& program = shaders.full_screen("effects/depth_of_field/gather.frag",
-                                                                        {{"TAPS", fmt::format("{}", taps.size())}});
-                                 program.use();
-                                 run.bind(program, "light_share", 0, light_share);
-                                 run.bind(program, "discs", 1, discs);
-                                 run.bind(program, "widest", 2, widest);
-                                 program.set("tile_texels", tile_texels);
-                                 program.set("taps", std::span<const Eigen::Vector4f>(taps));
-                                 run.draw(program);
-                             }});
+        const std::vector<GraphTexture> gathered = graph_.add_pass(
+            {.name = name,
+             .reads = {{sorted[0]}, {discs}, {widest}, {reached_}},
+             .writes = {wide, GL_R16F},
+             .scale = texel_px,
+             .region = target,
+             .beyond_frame = true,
+             .draw = [this_ = *this, own_class, light_share = sorted[0], discs, widest, taps](PassRun& run) {
+                 clear(run, 2);
+                 this_.draw_reached(run, "effects/depth_of_field/gather.frag",
+                                    {{"TAPS", fmt::format("{}", taps.size())}}, this_.bit_of(own_class),
+                                    [&](Program& program) {
+                                        run.bind(program, "light_share", 0, light_share);
+                                        run.bind(program, "discs", 1, discs);
+                                        run.bind(program, "widest", 2, widest);
+                                        program.set("tile_texels", tile_texels);
+                                        program.set("taps", std::span<const Eigen::Vector4f>(taps));
+                                    });
+             }});
         return {gathered[0], gathered[1], texel_px};
     }
 
-    /// As many classes a pass as there are texture units for, with those that the layer takes.
+    /// As many classes a pass as every driver has texture units for.
     GraphTexture add_composition(const std::vector<ClassPicture>& before, const std::vector<ClassPicture>& beyond) {
-        constexpr std::size_t most_classes = free_units.size() / 2;
         std::vector<ClassPicture> all = before;
         all.insert(all.end(), beyond.begin(), beyond.end());
         std::vector<GraphTexture> sum(2);
         bool sharp_done = false;
         std::size_t first = 0;
         do {
-            const std::size_t count = std::min(most_classes, all.size() - first);
+            const std::size_t count = std::min(most_classes_a_pass, all.size() - first);
             const std::vector<ClassPicture> classes(all.begin() + static_cast<std::ptrdiff_t>(first),
                                                     all.begin() + static_cast<std::ptrdiff_t>(first + count));
             int sharp_place = -1;
@@ -213,25 +283,27 @@ private:
                 sharp_done = true;
             }
             first += count;
-            GraphPass pass{.name = "defocus/over",
-                           .reads = {{input_.layer_drawn}, {sum[0]}, {sum[1]}},
+            GraphPass pass{.name = fmt::format("defocus/over {}", first),
+                           .reads = {{sharp_}, {reached_}, {sum[0]}, {sum[1]}},
                            .writes = {GL_RGBA32F, GL_R16F},
                            .region = input_.region};
             for (const ClassPicture& one : classes) pass.reads.insert(pass.reads.end(), {{one.light}, {one.required}});
             pass.draw = [this_ = *this, sum, classes, sharp_place, is_last = first == all.size()](PassRun& run) {
-                Program& program = this_.shaders_.full_screen("effects/depth_of_field/gather_combine.frag",
-                                                              {{"CLASSES", fmt::format("{}", classes.size())}});
-                program.use();
-                this_.bind_fragments(program);
-                run.bind(program, "before", 0, sum[0]);
-                run.bind(program, "before_required", 2, sum[1]);
-                program.set("sharp_place", sharp_place);
-                program.set("is_last", is_last);
-                for (std::size_t i = 0; i < classes.size(); ++i) {
-                    run.bind(program, fmt::format("class{}", i), free_units[2 * i], classes[i].light);
-                    run.bind(program, fmt::format("required{}", i), free_units[2 * i + 1], classes[i].required);
-                }
-                run.draw(program);
+                clear(run, 2);
+                constexpr unsigned any = ~0U;
+                this_.draw_reached(run, "effects/depth_of_field/gather_combine.frag",
+                                   {{"CLASSES", fmt::format("{}", classes.size())}}, any, [&](Program& program) {
+                                       run.bind(program, "before", 0, sum[0]);
+                                       run.bind(program, "before_required", 1, sum[1]);
+                                       run.bind(program, "sharp", 2, this_.sharp_);
+                                       program.set("sharp_place", sharp_place);
+                                       program.set("is_last", is_last);
+                                       GLuint unit = 3;
+                                       for (std::size_t i = 0; i < classes.size(); ++i) {
+                                           run.bind(program, fmt::format("class{}", i), unit++, classes[i].light);
+                                           run.bind(program, fmt::format("required{}", i), unit++, classes[i].required);
+                                       }
+                                   });
             };
             sum = graph_.add_pass(std::move(pass));
         } while (first < all.size() || !sharp_done);
@@ -253,7 +325,7 @@ private:
     GatherKnobs knobs_;
     double largest_px_ = 0;
     int near_classes_ = 0, far_classes_ = 0, class_count_ = 0;
-    GraphTexture mask_;
+    GraphTexture sharp_, front_, back_, circles_, reached_;
 };
 
 GraphTexture GatherDefocus::add(RenderGraph& graph, const GatherInput& input, const GatherKnobs& knobs) {

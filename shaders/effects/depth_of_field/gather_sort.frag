@@ -1,0 +1,56 @@
+#version 450 core
+// The surfaces of one class of circles, each texel as its light times the share that one texel of its disc takes.
+
+#include "common/graph.glsl"
+#include "effects/depth_of_field/circles.glsl"
+
+uniform sampler2D front;        // gather_resolve.frag, all over one region
+uniform sampler2D back;
+uniform sampler2D circles;
+uniform ivec4 circles_region;
+uniform int own_class;
+uniform int texel_px;           // plate pixels along a texel
+uniform sampler2D kernels;      // R: radius of the drawn disc, G: 1 / its texels; by the circle's radius in texels
+uniform float kernel_step;      // texels from entry to entry
+uniform int kernel_row;
+
+layout(location = 0) out vec4 light_share;  // premultiplied light and coverage, over the disc's texels
+layout(location = 1) out vec2 disc;         // r: radius of the disc in texels, 0 where there is none; g: coverage of all
+                                            // that the texel shows, whatever its class
+
+void main() {
+    ivec2 corner = target_texel() * texel_px - circles_region.xy;
+    ivec2 first = max(corner, ivec2(0));
+    ivec2 last = min(corner + texel_px, circles_region.zw) - 1;
+    vec4 sum = vec4(0.0);
+    float coverage = 0.0, widths = 0.0, weights = 0.0;
+    for (int y = first.y; y <= last.y; ++y) {
+        for (int x = first.x; x <= last.x; ++x) {
+            vec3 seen = texelFetch(circles, ivec2(x, y), 0).rgb;
+            coverage += seen.b;
+            if (seen.r != 0.0 && class_of(seen.r) == own_class) {
+                vec4 light = texelFetch(front, ivec2(x, y), 0);
+                sum += light;
+                widths += light.a * abs(seen.r);
+                weights += light.a;
+            }
+            if (seen.g != 0.0 && class_of(seen.g) == own_class) {
+                vec4 light = texelFetch(back, ivec2(x, y), 0);
+                sum += light;
+                widths += light.a * abs(seen.g);
+                weights += light.a;
+            }
+        }
+    }
+    float whole = float(texel_px * texel_px);
+    light_share = vec4(0.0);
+    disc = vec2(0.0, coverage / whole);
+    if (weights <= 0.0) return;
+    float radius = 0.5 * widths / weights / float(texel_px);
+    float place = clamp(radius / kernel_step, 0.0, float(textureSize(kernels, 0).x - 1));
+    int entry = min(int(place), textureSize(kernels, 0).x - 2);
+    vec2 kernel = mix(texelFetch(kernels, ivec2(entry, kernel_row), 0).rg,
+                      texelFetch(kernels, ivec2(entry + 1, kernel_row), 0).rg, place - float(entry));
+    disc.r = kernel.r;
+    light_share = sum / whole * kernel.g;
+}
