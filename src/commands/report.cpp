@@ -81,11 +81,13 @@ std::string effect_lines(const Report& report) {
             text += fmt::format("  {:<18}{:>10.3g} ms", point.level, point.time.median_ms);
             if (point.errors.flip) text += fmt::format("   FLIP {:.5f}", *point.errors.flip);
             if (point.errors.hdr_flip) text += fmt::format("   HDR-FLIP {:.5f}", *point.errors.hdr_flip);
+            if (point.errors.mean_light) text += fmt::format("   mean light {:+.2g}", *point.errors.mean_light);
             text += "\n";
         }
         if (const auto& left_out = effect.left_out) {
-            text += fmt::format("  {:<18}{:>10.3g} ms saved   largest difference {} codes\n", "left out",
+            text += fmt::format("  {:<18}{:>10.3g} ms saved   largest difference {} codes", "left out",
                                 left_out->ms_saved, left_out->max_code_difference);
+            text += left_out->cost.empty() ? "\n" : fmt::format("; costs {}\n", knobs_text(left_out->cost));
         }
     }
     for (const TruthRow& row : report.truth) {

@@ -154,7 +154,8 @@ SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeV
     if (count == 1) return resources_.surfaces.draw(lit.environment(), view, lit.shading());
     const Focus& focus = plan_.optics.focus;
     std::vector<Eigen::Vector2d> points(static_cast<std::size_t>(count), Eigen::Vector2d::Zero());
-    if (effects.samples_lens()) points = lens_points(effects.defocus->settings.bokeh, count);
+    if (effects.samples_lens() && !effects.defocus->objects.is_sharp())
+        points = lens_points(effects.defocus->settings.bokeh, count);
     const std::vector<double> times =
         effects.samples_time() ? shutter_times(count, effects.samples_lens()) : std::vector<double>(points.size(), 0.0);
     const double opening_radius_m = focus.coc_scale_px_m / resources_.camera.fx / 2;

@@ -53,7 +53,8 @@ GraphTexture add_defocus(RenderGraph& graph, ShaderLibrary& shaders, const Defoc
 
 double LayerEffectPlan::spread_px() const {
     const double of_motion = motion ? motion->objects.spread_px : 0;
-    if (!defocus) return of_motion;
+    // Circles too narrow to count move nothing: the layer is drawn as without them, bit for bit.
+    if (!defocus || defocus->objects.is_sharp()) return of_motion;
     const double widest_px = defocus->objects.widest_px();
     switch (defocus->settings.level) {
         case DepthOfFieldLevel::layers:
@@ -79,7 +80,8 @@ bool LayerEffectPlan::samples_time() const {
 }
 
 int LayerEffectPlan::samples() const {
-    const int of_lens = samples_lens() ? defocus->settings.lens_samples : 1;
+    // Circles too narrow to count are none: all of the lens sees what its middle sees.
+    const int of_lens = samples_lens() && !defocus->objects.is_sharp() ? defocus->settings.lens_samples : 1;
     return std::max(of_lens, samples_time() ? sub_frame_count(motion->settings) : 1);
 }
 

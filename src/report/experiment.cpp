@@ -60,6 +60,10 @@ EffectReport run_experiment(const Experiment& experiment, const CodeOfLight& cod
         const ImageF picture = candidate.picture();
         if (candidate.bytes) point.bytes = candidate.bytes();
         point.errors = errors_of(experiment.reference, picture, code_of);
+        if (candidate.light && experiment.reference_light > 0) {
+            point.errors.mean_light = candidate.light() / experiment.reference_light - 1;
+            point.knobs.push_back({"light_kept", candidate.light() / experiment.input_light});
+        }
         point.picture = code_of(repaired(picture));
         point.flip_map = flip_colors(flip_error_map(report.reference_picture, point.picture));
     }
@@ -75,7 +79,7 @@ EffectReport run_experiment(const Experiment& experiment, const CodeOfLight& cod
     }
     if (const auto& trial = experiment.left_out) {
         report.left_out = LeftOutRow{trial->condition, times[times.size() - 2].median_ms - times.back().median_ms,
-                                     trial->code_difference()};
+                                     trial->code_difference(), trial->cost};
     }
     return report;
 }

@@ -17,6 +17,7 @@ struct Candidate {
     std::function<void()> work;       // what is timed; empty: it takes no time
     std::function<ImageF()> picture;  // linear light, RGB, over the experiment's region
     std::function<double()> bytes;    // moved, known after picture(); empty where it is not
+    std::function<double()> light;    // mean of what an effect spreads and must keep, known after picture()
 };
 
 /// How skipping the effect is measured.
@@ -26,6 +27,7 @@ struct LeftOutTrial {
     std::function<void()> skipped;  // what remains to be done
     /// Largest difference of 8-bit codes between the effect drawn and left out, where the condition holds.
     std::function<int()> code_difference;
+    std::vector<Knob> cost = {};  // what the condition costs
 };
 
 struct Experiment {
@@ -33,6 +35,8 @@ struct Experiment {
     Stopwatch stopwatch = Stopwatch::gpu;
     std::vector<Candidate> candidates;
     ImageF reference, coarse_reference;  // the latter with half the effort; may be empty
+    double reference_light = 0;          // mean, where candidates have `light`
+    double input_light = 0;              // mean of what is spread, before it is
     std::optional<LeftOutTrial> left_out;
 };
 

@@ -10,7 +10,7 @@ const std::vector<NamedExperiment>& all_experiments() {
         {"glossy_reflection", glossy_experiment},        {"bloom", bloom_experiment},
         {"classic_bloom", classic_bloom_experiment},     {"streaks", streaks_experiment},
         {"classic_streaks", classic_streaks_experiment}, {"diffraction", diffraction_experiment},
-        {"motion_blur", motion_blur_experiment}};
+        {"motion_blur", motion_blur_experiment},         {"depth_of_field", depth_of_field_experiment}};
     return experiments;
 }
 

@@ -42,6 +42,9 @@ std::optional<Experiment> diffraction_experiment(const SceneStage& stage, const 
 std::optional<Experiment> streaks_experiment(const SceneStage& stage, const ExperimentOptions& options);
 std::optional<Experiment> classic_streaks_experiment(const SceneStage& stage, const ExperimentOptions& options);
 
+/// Depth of field: every level, `gather` at every quality, and points of the lens by their number.
+std::optional<Experiment> depth_of_field_experiment(const SceneStage& stage, const ExperimentOptions& options);
+
 struct NamedExperiment {
     std::string name;  // as --effects takes it
     std::optional<Experiment> (*make)(const SceneStage&, const ExperimentOptions&);

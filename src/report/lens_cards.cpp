@@ -50,20 +50,34 @@ LensCardShot lens_card_shot(const ThinLensView& view, const std::optional<DepthO
     return shot;
 }
 
-ImageF composited_cards(GlContext& context, const LensCardShot& shot, const Quality& quality) {
+namespace {
+
+/// One of the frame's layers, 0 where it does not reach.
+ImageF drawn_layer(GlContext& context, const LensCardShot& shot, const Quality& quality, ImageF FrameLayers::*layer) {
     Warnings warnings;
     warnings.set_quiet(true);
     Compositor compositor(context, shot.scene, shot.solve, {.settings = quality, .layers = true}, warnings);
     const Camera& camera = shot.solve.camera;
     BlankSource source({.path = "cards", .width = camera.width, .height = camera.height, .frames = 1, .fps = 25});
     const CompositedFrame frame = compositor.composite(*source.next());
-    ImageF light(camera.width, camera.height, 4);
-    if (!frame.layers) return light;
+    if (!frame.layers) return {};
+    const ImageF& drawn = (*frame.layers).*layer;
     const Region& region = frame.layers->region;
+    ImageF whole(camera.width, camera.height, drawn.channels());
     for (int y = 0; y < region.height; ++y) {
-        std::ranges::copy(frame.layers->virtual_rgba.row(y), light.pixel(region.x, region.y + y));
+        std::ranges::copy(drawn.row(y), whole.pixel(region.x, region.y + y));
     }
-    return light;
+    return whole;
+}
+
+}  // namespace
+
+ImageF composited_cards(GlContext& context, const LensCardShot& shot, const Quality& quality) {
+    return drawn_layer(context, shot, quality, &FrameLayers::virtual_rgba);
+}
+
+ImageF composited_frame(GlContext& context, const LensCardShot& shot, const Quality& quality) {
+    return drawn_layer(context, shot, quality, &FrameLayers::beauty);
 }
 
 }  // namespace matchlight

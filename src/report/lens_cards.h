@@ -24,5 +24,7 @@ LensCardShot lens_card_shot(const ThinLensView& view, const std::optional<DepthO
 
 /// The virtual layer over the whole frame, premultiplied RGBA in the units of the cards' light.
 ImageF composited_cards(GlContext& context, const LensCardShot& shot, const Quality& quality);
+/// RGB of the whole picture, over what the shot's scene has behind the cards.
+ImageF composited_frame(GlContext& context, const LensCardShot& shot, const Quality& quality);
 
 }  // namespace matchlight

@@ -19,6 +19,8 @@ struct PointErrors {
     std::optional<double> hdr_flip;
     std::optional<double> psnr_db;
     std::optional<double> relative_rms;  // of linear light
+    // Of the light that an effect spreads and must keep: mean over the reference's, less 1.
+    std::optional<double> mean_light = {};
 };
 
 struct Knob {
@@ -43,6 +45,7 @@ struct LeftOutRow {
     std::string condition;  // "no light above the threshold"
     double ms_saved = 0;
     int max_code_difference = 0;  // of 255, between the frame with it drawn and with it left out
+    std::vector<Knob> cost = {};  // what the condition costs where the effect is not quite the identity
 };
 
 /// How often an effect's work is done.

@@ -40,7 +40,7 @@ std::string points_table(const EffectReport& effect) {
     std::string html =
         "<table><tr><th class=\"word\">level</th><th class=\"word\">knobs</th><th>kept in</th><th>ms median</th>"
         "<th>min</th><th>max</th><th>MB moved</th><th>× bandwidth bound</th><th>FLIP</th><th>HDR-FLIP</th>"
-        "<th>PSNR dB</th><th>relative RMS</th></tr>";
+        "<th>PSNR dB</th><th>relative RMS</th><th>mean light − 1</th></tr>";
     for (std::size_t i = 0; i < effect.points.size(); ++i) {
         const EffectPoint& point = effect.points[i];
         html += fmt::format("<tr{}>", front[i] ? " class=\"front\"" : "") + word(point.level) +
@@ -49,16 +49,17 @@ std::string points_table(const EffectReport& effect) {
                 cell(point.time.min_ms, "{:.3g}") + cell(point.time.max_ms, "{:.3g}") +
                 cell(point.bytes > 0 ? std::optional(point.bytes * 1e-6) : std::nullopt, "{:.3g}") +
                 cell(point.bandwidth_bounds, "{:.3g}") + cell(point.errors.flip) + cell(point.errors.hdr_flip) +
-                cell(point.errors.psnr_db) + cell(point.errors.relative_rms) + "</tr>";
+                cell(point.errors.psnr_db) + cell(point.errors.relative_rms) + cell(point.errors.mean_light, "{:.2g}") +
+                "</tr>";
     }
     if (const auto& left_out = effect.left_out) {
         html += fmt::format(
-            "<tr class=\"skipped\"><td class=\"word\">left out</td><td class=\"word long\" colspan=\"11\">{}: saves "
-            "{:.3g} "
-            "ms "
-            "a {}; largest difference of the picture {} of 255</td></tr>",
+            "<tr class=\"skipped\"><td class=\"word\">left out</td><td class=\"word long\" colspan=\"12\">{}: saves "
+            "{:.3g} ms a "
+            "{}; largest difference of the picture {} of 255{}</td></tr>",
             html_text(left_out->condition), left_out->ms_saved, effect.unit == WorkUnit::frame ? "frame" : "clip",
-            left_out->max_code_difference);
+            left_out->max_code_difference,
+            left_out->cost.empty() ? "" : html_text("; what it costs: " + knobs_text(left_out->cost)));
     }
     return html + "</table>";
 }

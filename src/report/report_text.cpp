@@ -34,6 +34,7 @@ ordered_json point_json(const EffectPoint& point) {
     json["hdr_flip"] = number(point.errors.hdr_flip);
     json["psnr_db"] = number(point.errors.psnr_db);
     json["relative_rms"] = number(point.errors.relative_rms);
+    if (point.errors.mean_light) json["mean_light"] = number(point.errors.mean_light);
     return json;
 }
 
@@ -50,6 +51,7 @@ ordered_json effect_json(const EffectReport& effect) {
         json["left_out"] = {{"condition", left_out->condition},
                             {"ms_saved", left_out->ms_saved},
                             {"max_code_difference", left_out->max_code_difference}};
+        for (const Knob& cost : left_out->cost) json["left_out"]["cost"][cost.name] = number(cost.value);
     } else {
         json["left_out"] = nullptr;
     }
@@ -151,20 +153,21 @@ std::string report_csv(const Report& report) {
     if (!report.depth_of_field_study.empty()) return depth_of_field_study_csv(report.depth_of_field_study);
     std::string csv =
         "effect,level,knobs,precision,per,ms_median,ms_min,ms_max,bytes,bandwidth_bounds,flip,hdr_flip,psnr_db,"
-        "relative_rms,reference_self_error_flip,ms_saved,max_code_difference\n";
+        "relative_rms,mean_light,reference_self_error_flip,ms_saved,max_code_difference\n";
     for (const EffectReport& effect : report.effects) {
         const char* per = effect.unit == WorkUnit::frame ? "frame" : "clip";
         for (const EffectPoint& point : effect.points) {
-            csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},,\n", quoted(effect.name),
-                               quoted(point.level), quoted(knobs_text(point.knobs)), point.precision, per,
-                               field(point.time.median_ms), field(point.time.min_ms), field(point.time.max_ms),
-                               field(point.bytes), field(point.bandwidth_bounds), field(point.errors.flip),
-                               field(point.errors.hdr_flip), field(point.errors.psnr_db),
-                               field(point.errors.relative_rms), field(effect.reference_self_error_flip));
+            csv +=
+                fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},,\n", quoted(effect.name),
+                            quoted(point.level), quoted(knobs_text(point.knobs)), point.precision, per,
+                            field(point.time.median_ms), field(point.time.min_ms), field(point.time.max_ms),
+                            field(point.bytes), field(point.bandwidth_bounds), field(point.errors.flip),
+                            field(point.errors.hdr_flip), field(point.errors.psnr_db), field(point.errors.relative_rms),
+                            field(point.errors.mean_light), field(effect.reference_self_error_flip));
         }
         if (const auto& left_out = effect.left_out) {
             csv +=
-                fmt::format("{},\"left out\",{},,{},,,,,,,,,,,{},{}\n", quoted(effect.name),
+                fmt::format("{},\"left out\",{},,{},,,,,,,,,,,,{},{}\n", quoted(effect.name),
                             quoted(left_out->condition), per, field(left_out->ms_saved), left_out->max_code_difference);
         }
     }

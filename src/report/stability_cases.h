@@ -49,6 +49,8 @@ std::vector<StabilityCase> wave_glare_cases();
 std::vector<StabilityCase> defocus_cases();
 /// Motion blur gathered from one picture: likewise.
 std::vector<StabilityCase> motion_blur_cases();
+/// Depth of field by every method: likewise.
+std::vector<StabilityCase> depth_of_field_cases();
 /// The pose of a tag over sizes, tilts, blurs and noise, against other libraries': on the CPU.
 std::vector<StabilityCase> tag_pose_cases(bool quick);
 /// All of them; `quick` leaves out most of the slow ones.

@@ -98,6 +98,22 @@ ImageD thin_lens_light(const ThinLensView& view) {
     return picture;
 }
 
+SpreadPixel spread_pixel(double coc_px) {
+    const int reach_px = static_cast<int>(std::ceil(coc_px / 2)) + 1;
+    const int size = 2 * reach_px + 1;
+    const ImageD light = thin_lens_light({.width = size,
+                                          .height = size,
+                                          .focus = {.coc_scale_px_m = coc_px},
+                                          .bokeh = {},
+                                          .cards = {{.left_px = reach_px - 0.5,
+                                                     .top_px = reach_px - 0.5,
+                                                     .right_px = reach_px + 0.5,
+                                                     .bottom_px = reach_px + 0.5,
+                                                     .depth_m = 1}},
+                                          .lens_steps = 256});
+    return {1 - light.at(reach_px, reach_px), light.at(reach_px + 1, reach_px)};
+}
+
 double disc_share_before(double edge) {
     const double cosine = std::clamp(2 * edge, -1.0, 1.0);
     return 1 - (std::acos(cosine) - cosine * std::sqrt(1 - cosine * cosine)) / std::numbers::pi;

@@ -33,6 +33,13 @@ struct ThinLensView {
 /// RGBA, premultiplied, of all cards over nothing. All cores; the same bits on any number of them.
 ImageD thin_lens_light(const ThinLensView& view);
 
+/// What becomes of one evenly lit pixel's light under a circle of confusion.
+struct SpreadPixel {
+    double moved_share = 0;   // of the light that leaves the pixel
+    double beside_share = 0;  // the most that one other pixel gets
+};
+SpreadPixel spread_pixel(double coc_px);
+
 /// The share of a disc, of diameter 1 about 0, that lies on the side of a straight edge where x < `edge`.
 double disc_share_before(double edge);
 

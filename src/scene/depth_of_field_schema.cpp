@@ -1,4 +1,5 @@
 // Rows of the scene file's table for the thin lens.
+#include "scene/depth_of_field_levels.h"
 #include "scene/effect_schema.h"
 #include "scene/setting_domains.h"
 
@@ -9,8 +10,8 @@ using enum SettingKind;
 void add_depth_of_field_settings(std::vector<Setting>& rows) {
     constexpr std::string_view section = "effects.depth_of_field", bokeh = "effects.depth_of_field.bokeh";
     const std::vector<Setting> added = {
-        {section, "level", one_of({"gather", "two_pass", "one_pass", "layers", "mipmap", "diffusion", "lens_samples"}),
-         "", "\"gather\"", "how it is computed; lens_samples: the scene drawn from many points of the lens",
+        {section, "level", one_of({depth_of_field_levels.begin(), depth_of_field_levels.end()}), "", "\"gather\"",
+         "how it is computed; lens_samples: the scene drawn from many points of the lens",
          [](Scene& s, const SettingValue& v) {
              s.effects.depth_of_field->level = static_cast<DepthOfFieldLevel>(v.choice);
          }},

@@ -2,12 +2,15 @@
 #include "compositor/compositor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
 #include "gl_fixture.h"
 #include "grey_plate.h"
+#include "scene/depth_of_field_levels.h"
 
 namespace matchlight {
 namespace {
@@ -229,6 +232,76 @@ TEST_F(CompositorTest, DepthOfFieldWhereAllIsInFocus) {
         const CompositedFrame sharp = drawn(0.2), blurred = drawn(20);
         EXPECT_TRUE(std::ranges::equal(sharp.rgb16().samples(), plain.rgb16().samples())) << static_cast<int>(level);
         EXPECT_FALSE(std::ranges::equal(blurred.rgb16().samples(), plain.rgb16().samples())) << static_cast<int>(level);
+    }
+}
+
+/// Every method, focused on the ball's middle, its circles this wide at most.
+std::vector<EffectSettings> each_depth_of_field(double widest_px) {
+    std::vector<EffectSettings> all;
+    const RigidTransform camera_from_world = test::camera_before_the_table();
+    const Eigen::Vector3d middle_m(0, 0, 0.03);
+    for (std::size_t i = 0; i < depth_of_field_levels.size(); ++i) {
+        DepthOfFieldSettings& lens = all.emplace_back().depth_of_field.emplace();
+        lens.level = static_cast<DepthOfFieldLevel>(i);
+        lens.lens_samples = 5;
+        lens.focus_distance_m = (camera_from_world * middle_m).z();
+        // The box around the ball, 5 cm wide, holds all its depths.
+        const double half_m = 0.025 * std::sqrt(3.0);
+        lens.coc_scale_px_m = widest_px / (1 / (*lens.focus_distance_m - half_m) - 1 / *lens.focus_distance_m);
+    }
+    return all;
+}
+
+TEST_F(CompositorTest, CirclesOfLessThanAQuarterPixelAreNone) {
+    Shot shot = make_shot();
+    const CompositedFrame plain = composite(shot, true);
+    for (const EffectSettings& effects : each_depth_of_field(0.99 * least_coc_px)) {
+        const std::string_view name = depth_of_field_levels[static_cast<std::size_t>(effects.depth_of_field->level)];
+        shot.scene.effects = effects;
+        const CompositedFrame lean = composite(shot, true);
+        EXPECT_TRUE(std::ranges::equal(plain.rgb16().samples(), lean.rgb16().samples())) << name;
+        const CompositedFrame whole = composite(shot, false);
+        EXPECT_TRUE(std::ranges::equal(plain.rgb16().samples(), whole.rgb16().samples())) << name;
+    }
+}
+
+TEST_F(CompositorTest, EveryDepthOfFieldIsTheSameInAnyOrder) {
+    Shot shot = make_shot();
+    shot.solve.frame_count = 2;
+    SolvedFrame second = shot.solve.frames[0];
+    second.frame = 1;
+    second.camera_from_world->pretranslate(Eigen::Vector3d(0.02, 0, 0.05));
+    shot.solve.frames.push_back(second);
+    Warnings warnings;
+    warnings.set_quiet(true);
+    for (const EffectSettings& effects : each_depth_of_field(12)) {
+        const std::string_view name = depth_of_field_levels[static_cast<std::size_t>(effects.depth_of_field->level)];
+        shot.scene.effects = effects;
+        const auto codes = [&](const std::vector<int>& order) {
+            Compositor compositor(context(), shot.scene, shot.solve, {.quality = QualityLevel::draft}, warnings);
+            std::map<int, Image16> frames;
+            for (const int index : order)
+                frames[index] = compositor.composite(test::grey_plate(320, 180, 120, index)).rgb16();
+            return frames;
+        };
+        const auto forwards = codes({0, 1}), backwards = codes({1, 0}), alone = codes({1});
+        for (const int index : {0, 1}) {
+            EXPECT_TRUE(std::ranges::equal(forwards.at(index).samples(), backwards.at(index).samples())) << name;
+        }
+        EXPECT_TRUE(std::ranges::equal(forwards.at(1).samples(), alone.at(1).samples())) << name;
+        EXPECT_FALSE(std::ranges::equal(forwards.at(0).samples(), forwards.at(1).samples())) << name;
+    }
+}
+
+TEST_F(CompositorTest, WhatDepthOfFieldLeavesOutChangesNothing) {
+    Shot shot = make_shot();
+    const CompositedFrame plain = composite(shot, true);
+    for (const EffectSettings& effects : each_depth_of_field(12)) {
+        const std::string_view name = depth_of_field_levels[static_cast<std::size_t>(effects.depth_of_field->level)];
+        shot.scene.effects = effects;
+        const CompositedFrame lean = composite(shot, true), whole = composite(shot, false);
+        EXPECT_TRUE(std::ranges::equal(lean.rgb16().samples(), whole.rgb16().samples())) << name;
+        EXPECT_FALSE(std::ranges::equal(lean.rgb16().samples(), plain.rgb16().samples())) << name;
     }
 }
 

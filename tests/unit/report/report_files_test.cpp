@@ -18,7 +18,7 @@ namespace {
 EffectPoint point(const std::string& level, double ms, double flip) {
     EffectPoint made{.level = level, .knobs = {{"taps", 4}, {"size", 256}}, .precision = "16F"};
     made.time = {ms, ms * 0.9, ms * 1.2};
-    made.errors = {flip, 2 * flip, 40.0, 0.01};
+    made.errors = {flip, 2 * flip, 40.0, 0.01, 5e-4};
     made.picture = Image8(20, 10, 3, 128);
     made.flip_map = Image8(20, 10, 3, 5);
     return made;
@@ -35,7 +35,7 @@ Report small_report() {
     effect.reference_self_error_flip = 0.0005;
     effect.region = {1, 2, 20, 10};
     effect.points = {point("slow", 20, 0.001), point("quick", 2, 0.01), point("worse", 10, 0.02)};
-    effect.left_out = LeftOutRow{"no light above the threshold", 2.0, 0};
+    effect.left_out = LeftOutRow{"no light above the threshold", 2.0, 0, {{"share moved", 0.1}}};
     effect.reference_picture = Image8(20, 10, 3, 130);
     report.effects.push_back(effect);
     report.stability = {{"flip", "black", "0", 0, std::nullopt, true},
@@ -85,9 +85,11 @@ TEST(ReportFiles, JsonHoldsEveryKeyOfTheSchema) {
     EXPECT_EQ(first["hdr_flip"], 0.002);
     EXPECT_EQ(first["psnr_db"], 40);
     EXPECT_EQ(first["relative_rms"], 0.01);
+    EXPECT_EQ(first["mean_light"], 5e-4);
     EXPECT_TRUE(first.contains("bandwidth_bounds"));
     EXPECT_EQ(effect["left_out"]["ms_saved"], 2);
     EXPECT_EQ(effect["left_out"]["max_code_difference"], 0);
+    EXPECT_EQ(effect["left_out"]["cost"]["share moved"], 0.1);
     EXPECT_EQ(json["stability"][0]["case"], "black");
     EXPECT_EQ(json["stability"][0]["pass"], true);
     EXPECT_TRUE(json["stability"][1]["value"].is_null());  // JSON has no NaN

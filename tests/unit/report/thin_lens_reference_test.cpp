@@ -133,5 +133,17 @@ TEST(ThinLensReference, TheOpeningsShapeIsTurnedBeforeTheFocus) {
     }
 }
 
+TEST(ThinLensReference, OfAPixelACircleOfAQuarterPixelMovesATenth) {
+    // E|x| over a disc of radius r is 4r/3π: on either axis so much of the square leaves it, less what leaves it on
+    // both.
+    constexpr double coc_px = 0.25, radius_px = coc_px / 2;
+    const double on_an_axis = 4 * radius_px / (3 * std::numbers::pi);
+    // E|xy| = r²/(2π).
+    const double on_both = radius_px * radius_px / (2 * std::numbers::pi);
+    const SpreadPixel spread = spread_pixel(coc_px);
+    EXPECT_NEAR(spread.moved_share, 2 * on_an_axis - on_both, 1e-5);
+    EXPECT_NEAR(spread.beside_share, (on_an_axis - on_both) / 2, 1e-5);
+}
+
 }  // namespace
 }  // namespace matchlight
