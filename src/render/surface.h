@@ -133,10 +133,10 @@ private:
 
     enum class Drawn { light, hidden_depth, hidden_light, layers };
     /// The program for light, with what it reads set.
+    Program& light_program(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading);
     /// `place_more` sets what else a program needs of an object, by its index.
     void draw_meshes(Program& program, const SurfaceView& view, Drawn drawn,
                      const std::function<void(std::size_t)>& place_more = {}) const;
-    Program& light_program(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading);
     void draw_mesh(Program& program, const SurfaceView& view, const Object& object, const Mesh& mesh) const;
 
     ShaderLibrary& shaders_;
