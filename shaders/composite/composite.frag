@@ -10,12 +10,19 @@
 #include "effects/exposure/tone_curve.glsl"
 #include "composite/layer.glsl"
 #include "composite/shadow.glsl"
+#if defined(GRAIN) && !defined(WRITE_LIGHT)
+#include "effects/grain/grain.glsl"
+#endif
 
 uniform sampler2D plate_code;        // RGB code values of the region; without footage: the background's linear light
 
 #ifdef BLURRED_LAYER
 uniform sampler2D blurred_layer;     // as `layer`, in plate pixels
 uniform ivec4 blurred_layer_region;
+#endif
+#ifdef CHANNEL_COVERAGE
+uniform sampler2D channel_coverage;  // of red, green and blue, in plate pixels
+uniform ivec4 channel_coverage_region;
 #endif
 #ifdef BLURRED_SHADOW
 uniform sampler2D blurred_shadow;    // share of the surface's light, in plate pixels; a = 1 where there is one
@@ -32,6 +39,9 @@ layout(location = 0) out vec4 light_after;        // plate-linear; a = the virtu
 layout(location = 1) out vec4 light_before;       // the plate's own; a = 1 where the pixel was touched
 #else
 layout(location = 0) out vec4 composited_code;    // a = 1 where the pixel was touched
+#endif
+#ifdef PLATE_SHARE
+layout(location = PLATE_SHARE) out vec4 plate_share;  // of the plate's light in `light_after`, with its noise
 #endif
 #ifdef WRITE_LAYERS
 layout(location = 2) out vec4 shadow_layer;       // rgb = ratio
@@ -58,6 +68,11 @@ void main() {
 #else
     if (reached && layer_present != 0) virtual_light = layer_over_pixel(normalized, layer_footprint(pixel, normalized));
 #endif
+#ifdef CHANNEL_COVERAGE
+    vec3 coverage = fetch_or_zero(channel_coverage, channel_coverage_region, ivec2(pixel)).rgb;
+#else
+    vec3 coverage = vec3(virtual_light.a);
+#endif
 #ifdef BLURRED_SHADOW
     vec4 blurred_ratio = fetch_or_zero(blurred_shadow, blurred_shadow_region, ivec2(pixel));
     if (blurred_ratio.a > 0.0) ratio = blurred_ratio.rgb;
@@ -70,12 +85,17 @@ void main() {
     float falloff = 1.0 + vignette.x * r2 + vignette.y * r2 * r2;
 
 #ifdef NO_FOOTAGE
-    vec3 plate_linear = code;
+    vec3 plate_linear = code * falloff;
 #else
     vec3 plate_linear = linear_from_code(code) * plate_gain;
 #endif
-    vec3 linear = plate_linear * ratio * (1.0 - virtual_light.a) + virtual_light.rgb * gain * falloff;
-    bool touched = virtual_light.a > 0.0 || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(lessThan(ratio, vec3(1.0))) ||
+    vec3 linear = plate_linear * ratio * (1.0 - coverage) + virtual_light.rgb * gain * falloff;
+#ifdef NO_FOOTAGE
+    vec3 kept = vec3(0.0);  // a background has no noise of its own
+#else
+    vec3 kept = ratio * (1.0 - coverage);
+#endif
+    bool touched = any(greaterThan(coverage, vec3(0.0))) || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(lessThan(ratio, vec3(1.0))) ||
                    white_light > 0.0;
 #ifdef NO_FOOTAGE
     touched = true;  // no pixel has been anyone's before
@@ -83,7 +103,13 @@ void main() {
 #ifdef WRITE_LIGHT
     light_after = vec4(touched ? linear : plate_linear, virtual_light.a);
     light_before = vec4(plate_linear, touched ? 1.0 : 0.0);
+#ifdef PLATE_SHARE
+    plate_share = vec4(kept, 1.0);
+#endif
 #else
+#ifdef GRAIN
+    linear = with_grain(linear, plate_linear, kept);
+#endif
     composited_code = touched ? vec4(code_from_linear(toned(linear)), 1.0) : vec4(code, 0.0);
 #endif
 #ifdef WRITE_LAYERS

@@ -7,6 +7,12 @@
 #include "common/graph.glsl"
 #include "common/response.glsl"
 #include "effects/exposure/tone_curve.glsl"
+#ifdef GRAIN
+#include "effects/grain/grain.glsl"
+
+uniform sampler2D plate_share;   // of the plate's own light in `light_after`
+uniform int plate_share_present;
+#endif
 
 uniform sampler2D plate_code;    // RGB code values of the region
 uniform sampler2D light_after;   // plate-linear; a = the objects' coverage
@@ -48,9 +54,23 @@ void main() {
 #endif
         return;
     }
+#ifdef GRAIN
+    // Whether spilled light is seen is a matter of its own, not of the noise that comes with it.
+    vec3 grainless = linear;
+#ifdef PLATE_ALONE
+    vec3 plate = after.rgb;
+#else
+    vec3 plate = texelFetch(light_before, in_region, 0).rgb;
+#endif
+    linear = with_grain(linear, plate, plate_share_present != 0 ? texelFetch(plate_share, in_region, 0).rgb : vec3(1.0));
+    vec3 seen = code_from_linear(toned(grainless));
     vec3 shown = code_from_linear(toned(linear));
+#else
+    vec3 shown = code_from_linear(toned(linear));
+    vec3 seen = shown;
+#endif
     // Codes beyond the response's ends (footage of limited range has them) are as bright as the ends.
-    vec3 moved = abs(shown - clamp(code, 0.0, 1.0));
+    vec3 moved = abs(seen - clamp(code, 0.0, 1.0));
     touched = touched || any(greaterThanEqual(moved, vec3(least_visible_code)));
     composited_code = touched ? vec4(shown, 1.0) : vec4(code, 0.0);
 #ifdef WRITE_LAYERS

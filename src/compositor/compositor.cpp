@@ -16,6 +16,7 @@
 #include "compositor/reach.h"
 #include "compositor/scene_focus.h"
 #include "compositor/scene_objects.h"
+#include "compositor/sensor.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/transfer.h"
@@ -67,6 +68,8 @@ struct Compositor::Impl {
     std::optional<FrameDefocus> defocus_of(const SolvedFrame& frame, FrameOptics& optics);
     /// `left_out` says why there is none where the scene asks for it.
     std::optional<FrameMotion> motion_of(const SolvedFrame& frame, std::string& left_out);
+    /// What is done to the layer on plate pixels.
+    void plan_sensor(FramePlan& plan);
 
     GlContext& context;
     Solve solve;
@@ -87,6 +90,7 @@ struct Compositor::Impl {
     std::unique_ptr<CompositePass> composite_pass;
     SurfaceAccumulator accumulator{shaders};
     GatherDefocus gather{shaders};
+    GrainNoise grain_noise{shaders};
     CameraEffects effects;
     Response pq = Response::pq();
     Response hlg = Response::hlg();
@@ -193,7 +197,7 @@ FrameOptics Compositor::Impl::optics_of(const SolvedFrame& frame) const {
     if (frame.camera_from_world) optics.camera_from_world = *frame.camera_from_world;
     optics.frame_width = solve.camera.width;
     optics.frame_height = solve.camera.height;
-    if (solve.vignette) optics.vignette = *solve.vignette;
+    optics.vignette = vignette_of(effects.settings().vignette, solve);
     const SolvedFrame* exposed = solve.exposed_near(frame);
     if (exposed == nullptr) {
         warnings.add("the solve knows no frame's exposure: the probe's light is taken as the plate's");
@@ -319,6 +323,30 @@ std::optional<FrameDefocus> Compositor::Impl::defocus_of(const SolvedFrame& fram
     return FrameDefocus{*defocus, range, apart};
 }
 
+void Compositor::Impl::plan_sensor(FramePlan& plan) {
+    const EffectSettings& asked = effects.settings();
+    LayerEffectPlan& layer = plan.layer_effects;
+    layer.sensor_quality = quality.sensor;
+    if (asked.chromatic_aberration) layer.color = lateral_color_of(*asked.chromatic_aberration, solve, warnings);
+    if (layer.color && options.leave_out) {
+        Eigen::AlignedBox2d bounds;
+        for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
+            bounds.extend(
+                normalized_bounds_of_box(surfaces.object_bounds_m(i), plan.optics.camera_from_world, lens_map));
+        }
+        const int margin_px = static_cast<int>(std::ceil(layer.spread_px()));
+        if (bounds.isEmpty() || layer.color->is_none(plate_region(bounds, solve.camera, margin_px))) {
+            layer.color.reset();
+            plan.left_out.push_back({"chromatic aberration", "it displaces nothing in view by a quarter pixel"});
+        }
+    }
+    if (asked.softness) layer.softness_px = softness_px_of(*asked.softness, solve, warnings);
+    if (layer.softness_px > 0 && layer.softness_px < least_softness_px && options.leave_out) {
+        layer.softness_px = 0;
+        plan.left_out.push_back({"softness", "a Gaussian this narrow is none"});
+    }
+}
+
 std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool whole_frame) {
     const PlateFormat& format = plate.format();
     const Camera& camera = solve.camera;
@@ -340,6 +368,10 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
     if (plan.posed) place_objects(solved);
     plan.optics = optics_of(solved);
     plan.layer_effects = layer_effects_of(solved, plan.optics);
+    if (plan.posed) plan_sensor(plan);
+    if (const std::optional<GrainSettings>& grain = effects.settings().grain) {
+        plan.grain = grain_of_frame(*grain, solve, plate.index(), plan.optics.plate_gain, warnings);
+    }
     if (plan.posed) {
         plan.reach = reach_of(*solved.camera_from_world, format, plan.object_bounds, plan.layer_effects);
     }
@@ -362,6 +394,7 @@ FrameResources Compositor::Impl::resources() {
             .graph = graph,
             .surfaces = surfaces,
             .objects = *scene_objects,
+            .grain = grain_noise,
             .light = *light,
             .composite = *composite_pass,
             .accumulator = accumulator,

@@ -96,8 +96,9 @@ GraphTexture FramePasses::add_surface(bool layers) {
     // What llvmpipe and GPUs alike hold as a target; wider views are drawn coarser.
     const double limit = std::min(8192, resources_.context.info().max_texture_size) - 2 * margin - 1;
     const Camera& camera = resources_.camera;
-    if (plan_.layer_effects.any()) {
-        const Eigen::Vector2d spread = plan_.layer_effects.spread_px() * Eigen::Vector2d(1 / camera.fx, 1 / camera.fy);
+    if (plan_.layer_effects.lens_spread_px() > 0) {
+        const Eigen::Vector2d spread =
+            plan_.layer_effects.lens_spread_px() * Eigen::Vector2d(1 / camera.fx, 1 / camera.fy);
         bounds = {bounds.min() - spread, bounds.max() + spread};
     }
     const Eigen::Vector2d span = bounds.sizes();
@@ -256,6 +257,7 @@ GraphTexture FramePasses::add_background() {
 
 void FramePasses::begin(bool layers) {
     resources_.graph.begin_frame(resources_.camera.width, resources_.camera.height);
+    for (const LeftOutEffect& effect : plan_.left_out) resources_.graph.leave_out(effect.name, effect.why);
     layer_drawn_ = add_surface(layers);
     background_ = add_background();
 }
@@ -307,6 +309,7 @@ void FramePasses::composite_code(CompositedFrame& result) {
     const ImageF code = decoded_plate(result.plate, region, runs);
     CompositeInput input = composite_input(code, region, runs);
     input.least_visible_loss = half_code(result.plate.format());
+    input.grain = add_grain(result, region);
     input = with_layer_effects(input);
     const CompositePicture picture = resources_.composite.add(graph, input);
     graph.output(picture.code);
@@ -316,6 +319,19 @@ void FramePasses::composite_code(CompositedFrame& result) {
 
 double FramePasses::least_visible_light(const CompositedFrame& frame) const {
     return resources_.composite.least_visible_light(frame.plate.format().bit_depth);
+}
+
+std::optional<FrameGrain> FramePasses::add_grain(const CompositedFrame& frame, const Region& region) {
+    if (!plan_.grain) return std::nullopt;
+    GrainModel model = *plan_.grain;
+    model.brightest = plan_.optics.white_light > 0 ? plan_.optics.white_light : resources_.composite.brightest_light();
+    const double least_deviation = least_grain_deviation(model, least_visible_light(frame));
+    RenderGraph& graph = resources_.graph;
+    if (graph.leaves_out() && model.largest_deviation() < least_deviation) {
+        graph.leave_out("grain", "none of its noise can move a code by half a step");
+        return std::nullopt;
+    }
+    return FrameGrain{model, resources_.grain.add(graph, model, region), least_deviation};
 }
 
 void FramePasses::composite_light(CompositedFrame& result, bool layers) {
@@ -332,6 +348,7 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
     input.least_visible_loss = half_code(result.plate.format());
     input.light = true;
     input.layers = layers;
+    input.grain = add_grain(result, region);
     input = with_layer_effects(input);
     const CompositePicture picture = resources_.composite.add(graph, input);
     FrameLight light = picture.light;
@@ -346,7 +363,9 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
                                                   .white_light = plan_.optics.white_light,
                                                   .least_visible_code = half_code(result.plate.format()),
                                                   .least_visible_light = least_visible_light(result),
-                                                  .layers = layers});
+                                                  .layers = layers,
+                                                  .grain = input.grain,
+                                                  .plate_share = picture.plate_share});
     graph.output(shown.code);
     GraphTexture tiles;
     if (!layers && !background_) {
@@ -400,7 +419,8 @@ void FramePasses::composite_surroundings(CompositedFrame& result, GraphTexture s
                                                   .runs = around.runs,
                                                   .spill = spill,
                                                   .least_visible_code = half_code(result.plate.format()),
-                                                  .least_visible_light = least_light});
+                                                  .least_visible_light = least_light,
+                                                  .grain = add_grain(result, around.bounds)});
     graph.output(shown.code);
     graph.run(resources_.timed);
     widen(result, result.reach.united(around.bounds));

@@ -14,11 +14,18 @@
 #include "compositor/scene_objects.h"
 #include "render/background.h"
 #include "render/composite_pass.h"
+#include "render/effects/grain.h"
 #include "render/graph.h"
 #include "render/surface.h"
 #include "render/surface_accumulator.h"
 
 namespace matchlight {
+
+/// An effect that the scene asks for and the frame does without.
+struct LeftOutEffect {
+    const char* name;
+    const char* why;
+};
 
 /// What is known of a frame before anything is drawn.
 struct FramePlan {
@@ -26,6 +33,8 @@ struct FramePlan {
     Eigen::AlignedBox2d object_bounds;  // of all objects in view, normalised coordinates
     Reach reach;
     LayerEffectPlan layer_effects;
+    std::optional<GrainModel> grain;
+    std::vector<LeftOutEffect> left_out;
     bool posed = true;  // false: nothing virtual can be placed, and only the plate's own exposure may change
 };
 
@@ -36,6 +45,7 @@ struct FrameResources {
     RenderGraph& graph;
     SurfaceRenderer& surfaces;
     SceneObjects& objects;
+    GrainNoise& grain;
     ClipLight& light;
     CompositePass& composite;
     SurfaceAccumulator& accumulator;
@@ -79,6 +89,8 @@ private:
     /// Around what objects touch: where the spilled light can be seen.
     void composite_surroundings(CompositedFrame& result, GraphTexture spill, GraphTexture tiles);
     double least_visible_light(const CompositedFrame& frame) const;
+    /// Adds the noise of a part of the frame; nullopt where it is left out.
+    std::optional<FrameGrain> add_grain(const CompositedFrame& frame, const Region& region);
     CompositeInput composite_input(const ImageF& plate_code, const Region& region,
                                    const std::vector<Region>& runs) const;
 

@@ -51,7 +51,7 @@ GraphTexture add_defocus(RenderGraph& graph, ShaderLibrary& shaders, const Defoc
 
 }  // namespace
 
-double LayerEffectPlan::spread_px() const {
+double LayerEffectPlan::lens_spread_px() const {
     const double of_motion = motion ? motion->objects.spread_px : 0;
     // Circles too narrow to count move nothing: the layer is drawn as without them, bit for bit.
     if (!defocus || defocus->objects.is_sharp()) return of_motion;
@@ -69,6 +69,13 @@ double LayerEffectPlan::spread_px() const {
             break;
     }
     return widest_px / 2 + of_motion;
+}
+
+double LayerEffectPlan::spread_px() const {
+    double spread = lens_spread_px();
+    // In the corners most is displaced; what lies between two texels is shown in both.
+    if (color) spread += 1 + std::max(std::abs(color->red_px), std::abs(color->blue_px));
+    return spread + softness_reach_px(softness_px, softness_knobs(sensor_quality));
 }
 
 bool LayerEffectPlan::samples_lens() const {
@@ -143,7 +150,13 @@ PlateLayer add_layer_effects(RenderGraph& graph, const LayerEffectInput& input, 
     if (plan.motion && plan.motion->smears_shadow && input.input.shadow != nullptr) {
         layer.shadow = add_smeared_shadow(graph, input, *plan.motion);
     }
-    return layer;
+    if (!plan.acts_on_plate_pixels() || !input.input.layer_drawn) return layer;
+    if (!layer.light) layer.light = input.composite.add_resolved_layer(graph, input.input, input.objects).light;
+    if (plan.color) {
+        layer = add_chromatic_aberration(graph, input.shaders, layer, *plan.color,
+                                         chromatic_aberration_knobs(plan.sensor_quality));
+    }
+    return add_softness(graph, input.shaders, layer, plan.softness_px, softness_knobs(plan.sensor_quality));
 }
 
 }  // namespace matchlight

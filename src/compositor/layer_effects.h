@@ -10,7 +10,9 @@
 #include "compositor/virtual_motion.h"
 #include "gl/shader_library.h"
 #include "render/composite_pass.h"
+#include "render/effects/chromatic_aberration.h"
 #include "render/effects/defocus_gather.h"
+#include "render/effects/softness.h"
 #include "render/graph.h"
 #include "render/virtual_layer.h"
 #include "scene/effects.h"
@@ -44,10 +46,17 @@ struct LayerEffectPlan {
     std::optional<FrameDefocus> defocus;
     std::optional<FrameMotion> motion;
     std::string motion_left_out;  // why, where the scene asks for motion blur and the frame has none
+    std::optional<LateralColor> color;
+    double softness_px = 0;                              // standard deviation
+    QualityLevel sensor_quality = QualityLevel::final_;  // of colour and softness
 
-    bool any() const { return defocus || motion; }
+    bool any() const { return defocus || motion || acts_on_plate_pixels(); }
+    /// Whether something is done to the layer after lens and shutter have blurred it.
+    bool acts_on_plate_pixels() const { return color || softness_px > 0; }
     /// How far, in plate pixels, the layer's light leaves the place it was drawn at.
     double spread_px() const;
+    /// Of that, what lens and shutter do, which also bring in what lies beyond the frame.
+    double lens_spread_px() const;
     /// Whether the layer is drawn from many points of the lens instead of being blurred afterwards.
     bool samples_lens() const;
     /// Whether what the nearest surface hides is drawn, too.

@@ -23,22 +23,32 @@ struct Quality {
     QualityLevel glare = QualityLevel::final_;
     QualityLevel depth_of_field = QualityLevel::final_;
     QualityLevel motion_blur = QualityLevel::final_;
+    QualityLevel sensor = QualityLevel::final_;  // chromatic aberration and softness
 };
 
 inline Quality quality_of(QualityLevel level) {
     switch (level) {
         case QualityLevel::draft:
-            return {1, 1, 128, {.directions = 16, .resolution = 256}, {.directions = 0}, level, level, level, level};
+            return {1,     1,     128,  {.directions = 16, .resolution = 256}, {.directions = 0}, level, level,
+                    level, level, level};
         case QualityLevel::preview:
-            return {
-                1,     1,     256,  {.directions = 32, .resolution = 512}, {.directions = 32, .resolution = 128}, level,
-                level, level, level};
+            return {1,
+                    1,
+                    256,
+                    {.directions = 32, .resolution = 512},
+                    {.directions = 32, .resolution = 128},
+                    level,
+                    level,
+                    level,
+                    level,
+                    level};
         case QualityLevel::reference:
             return {4,
                     4,
                     1024,
                     {.directions = 1024, .resolution = 2048, .lost_share = 0.0005},
                     {.directions = 256, .resolution = 512},
+                    level,
                     level,
                     level,
                     level,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <string>
 
 #include "gl/framebuffer.h"
 
@@ -90,6 +91,12 @@ double CompositePass::least_visible_light(int bit_depth) const {
         }
     }
     return least;
+}
+
+double CompositePass::brightest_light() const {
+    double most = 0;
+    for (int channel = 0; channel < 3; ++channel) most = std::max<double>(most, response_table_.row(channel).back());
+    return most;
 }
 
 GraphTexture CompositePass::add_upload(RenderGraph& graph, const char* name, const ImageF& code, const Region& region,
@@ -200,13 +207,18 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
                                    : add_upload(graph, "plate/upload", *input.plate_code, input.region, input.runs);
     const PlateLayer& blurred = input.blurred;
     GraphPass pass{.name = "composite",
-                   .reads = {{plate}, {input.layer_drawn}, {blurred.light}, {blurred.shadow}},
+                   .reads = {{plate}, {input.layer_drawn}, {blurred.light}, {blurred.shadow}, {blurred.coverage}},
                    .writes = {GL_RGBA32F},
                    .region = input.region};
     ShaderDefines defines;
     if (blurred.light) defines["BLURRED_LAYER"] = "1";
     if (blurred.shadow) defines["BLURRED_SHADOW"] = "1";
+    if (blurred.coverage) defines["CHANNEL_COVERAGE"] = "1";
     if (input.background) defines["NO_FOOTAGE"] = "1";
+    if (input.grain) {
+        defines["GRAIN"] = "1";
+        pass.reads.push_back({input.grain->noise});
+    }
     if (input.light) {
         pass.writes.push_back(GL_RGBA32F);
         defines["WRITE_LIGHT"] = "1";
@@ -214,6 +226,10 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
     if (input.layers) {
         pass.writes.insert(pass.writes.end(), 4, GL_RGBA32F);
         defines["WRITE_LAYERS"] = "1";
+    }
+    if (input.light && input.grain) {
+        defines["PLATE_SHARE"] = std::to_string(pass.writes.size());
+        pass.writes.push_back(GL_RGBA32F);
     }
     pass.draw = [this, input, plate, defines](PassRun& run) {
         if (input.light) {
@@ -226,6 +242,8 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
         set_input(program, input);
         run.bind(program, "blurred_layer", 10, input.blurred.light);
         run.bind(program, "blurred_shadow", 11, input.blurred.shadow);
+        run.bind(program, "channel_coverage", 13, input.blurred.coverage);
+        if (input.grain && !input.light) set_grain(run, program, 12, *input.grain);
         draw_runs(run, program, input.region, input.runs);
     };
     const std::vector<GraphTexture> written = graph.add_pass(std::move(pass));
@@ -233,6 +251,7 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
     picture.plate = plate;
     (input.light ? picture.light.after : picture.code) = written[0];
     if (input.light) picture.light.before = written[1];
+    if (input.light && input.grain) picture.plate_share = written.back();
     if (input.layers) {
         picture.shadow = written[2];
         picture.virtual_rgba = written[3];
@@ -248,11 +267,15 @@ ResponsePicture CompositePass::add_response(RenderGraph& graph, const ResponseIn
         input.plate ? input.plate
                     : add_upload(graph, "plate/upload around", *input.plate_code, input.region, input.runs);
     GraphPass pass{.name = around ? "response around" : "response",
-                   .reads = {{plate}, {input.light.after}, {input.light.before}, {input.spill}},
+                   .reads = {{plate}, {input.light.after}, {input.light.before}, {input.spill}, {input.plate_share}},
                    .writes = {GL_RGBA32F},
                    .region = input.region};
     ShaderDefines defines;
     if (around) defines["PLATE_ALONE"] = "1";
+    if (input.grain) {
+        defines["GRAIN"] = "1";
+        pass.reads.push_back({input.grain->noise});
+    }
     if (input.layers) {
         pass.writes.push_back(GL_RGBA32F);
         defines["WRITE_LAYERS"] = "1";
@@ -265,6 +288,11 @@ ResponsePicture CompositePass::add_response(RenderGraph& graph, const ResponseIn
         program.bind_texture("response_linear", 2, response_);
         run.bind(program, "light_before", 3, input.light.before);
         run.bind(program, "spill", 4, input.spill);
+        if (input.grain) {
+            run.bind(program, "plate_share", 5, input.plate_share);
+            program.set("plate_share_present", static_cast<bool>(input.plate_share));
+            set_grain(run, program, 6, *input.grain);
+        }
         program.set("spill_present", static_cast<bool>(input.spill));
         program.set("least_visible_code", input.least_visible_code);
         program.set("least_visible_light", input.least_visible_light);

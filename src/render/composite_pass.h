@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,6 +13,7 @@
 #include "core/transforms.h"
 #include "gl/shader_library.h"
 #include "render/effects/contact_shadow.h"
+#include "render/effects/grain.h"
 #include "render/frame_light.h"
 #include "render/graph.h"
 #include "render/virtual_layer.h"
@@ -40,9 +42,10 @@ struct CompositeInput {
     GraphTexture background;                // plate-linear RGB over the whole frame in place of a plate
     const ContactShadow* shadow = nullptr;  // null: no shadow, which is a ratio of 1
     FrameOptics optics;
-    double least_visible_loss = 0;  // a shadow that takes less leaves the pixel the plate's
-    bool light = false;             // linear light, for effects and layers; else code values at once
-    bool layers = false;            // also what layers show; needs `light`
+    double least_visible_loss = 0;         // a shadow that takes less leaves the pixel the plate's
+    std::optional<FrameGrain> grain = {};  // with `light`, what of the plate is left is told, and nothing added
+    bool light = false;                    // linear light, for effects and layers; else code values at once
+    bool layers = false;                   // also what layers show; needs `light`
 };
 
 /// Textures over the input's region; what lies outside its runs is not written.
@@ -50,6 +53,7 @@ struct CompositePicture {
     GraphTexture plate;         // RGB code values
     GraphTexture code;          // RGB; a = 1 where the pixel was touched; only without `light`
     FrameLight light;           // `before` has a = 1 where the pixel was touched
+    GraphTexture plate_share;   // RGB share of the plate in the light; only with `light` and grain
     GraphTexture shadow;        // RGB ratio
     GraphTexture virtual_rgba;  // premultiplied plate-linear light and alpha
     GraphTexture geometry;      // world normal and depth in metres
@@ -74,6 +78,8 @@ struct ResponseInput {
     double least_visible_code = 0;   // spilled light that moves no code by more leaves the pixel the plate's
     double least_visible_light = 0;  // less light than this cannot: CompositePass::least_visible_light()
     bool layers = false;
+    std::optional<FrameGrain> grain = {};
+    GraphTexture plate_share = {};  // of CompositePicture; empty: all the plate is left
 };
 
 struct ResponsePicture {
@@ -100,6 +106,8 @@ public:
 
     /// The least light that can move a code by half a step of `bit_depth`, anywhere on the response.
     double least_visible_light(int bit_depth) const;
+    /// The light of the brightest code, of the channel that has most.
+    double brightest_light() const;
 
 private:
     GraphTexture add_upload(RenderGraph& graph, const char* name, const ImageF& code, const Region& region,

@@ -21,8 +21,9 @@ struct VirtualLayer {
 /// The same in plate pixels, after what lens and shutter do to it. Where a texture is empty the composite works it out
 /// by itself, without any blur.
 struct PlateLayer {
-    GraphTexture light;   // premultiplied radiance in probe units, a = coverage
-    GraphTexture shadow;  // RGB share of the real surface's light that is left
+    GraphTexture light;     // premultiplied radiance in probe units, a = coverage
+    GraphTexture shadow;    // RGB share of the real surface's light that is left
+    GraphTexture coverage;  // RGB, where the lens parts the channels; empty: the light's own in all of them
 };
 
 }  // namespace matchlight

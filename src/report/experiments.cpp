@@ -4,13 +4,21 @@
 namespace matchlight {
 
 const std::vector<NamedExperiment>& all_experiments() {
-    static const std::vector<NamedExperiment> experiments = {
-        {"antialiasing", antialiasing_experiment},       {"contact_shadow", contact_shadow_experiment},
-        {"object_shadow", object_shadow_experiment},     {"reflection", reflection_experiment},
-        {"glossy_reflection", glossy_experiment},        {"bloom", bloom_experiment},
-        {"classic_bloom", classic_bloom_experiment},     {"streaks", streaks_experiment},
-        {"classic_streaks", classic_streaks_experiment}, {"diffraction", diffraction_experiment},
-        {"motion_blur", motion_blur_experiment},         {"depth_of_field", depth_of_field_experiment}};
+    static const std::vector<NamedExperiment> experiments = {{"antialiasing", antialiasing_experiment},
+                                                             {"contact_shadow", contact_shadow_experiment},
+                                                             {"object_shadow", object_shadow_experiment},
+                                                             {"reflection", reflection_experiment},
+                                                             {"glossy_reflection", glossy_experiment},
+                                                             {"bloom", bloom_experiment},
+                                                             {"classic_bloom", classic_bloom_experiment},
+                                                             {"streaks", streaks_experiment},
+                                                             {"classic_streaks", classic_streaks_experiment},
+                                                             {"diffraction", diffraction_experiment},
+                                                             {"motion_blur", motion_blur_experiment},
+                                                             {"depth_of_field", depth_of_field_experiment},
+                                                             {"grain", grain_experiment},
+                                                             {"chromatic_aberration", chromatic_aberration_experiment},
+                                                             {"softness", softness_experiment}};
     return experiments;
 }
 

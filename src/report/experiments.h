@@ -44,6 +44,12 @@ std::optional<Experiment> classic_streaks_experiment(const SceneStage& stage, co
 
 /// Depth of field: every level, `gather` at every quality, and points of the lens by their number.
 std::optional<Experiment> depth_of_field_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// Noise on what is virtual.
+std::optional<Experiment> grain_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// Red and blue displaced: against the scene drawn by a lens for each colour.
+std::optional<Experiment> chromatic_aberration_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// The Gaussian of codec and resampling.
+std::optional<Experiment> softness_experiment(const SceneStage& stage, const ExperimentOptions& options);
 
 struct NamedExperiment {
     std::string name;  // as --effects takes it

@@ -93,4 +93,16 @@ ImageF cropped(const ImageF& image, const Region& region) {
     return part;
 }
 
+ImageF beauty_over(const Compositor& compositor, const CompositedFrame& frame, const Region& region) {
+    ImageF picture = cropped(compositor.plate_linear(frame.plate), region);
+    if (!frame.layers) return picture;
+    const Region& drawn = frame.layers->region;
+    const Region both = region.intersected(drawn);
+    for (int y = both.y; y < both.y + both.height; ++y) {
+        std::copy_n(frame.layers->beauty.pixel(both.x - drawn.x, y - drawn.y), 3 * both.width,
+                    picture.pixel(both.x - region.x, y - region.y));
+    }
+    return picture;
+}
+
 }  // namespace matchlight

@@ -42,4 +42,7 @@ struct SceneStage {
 /// The part of an image that a region names.
 ImageF cropped(const ImageF& image, const Region& region);
 
+/// Plate-linear light over a region: the frame's, which has layers, and the plate's own where it has none.
+ImageF beauty_over(const Compositor& compositor, const CompositedFrame& frame, const Region& region);
+
 }  // namespace matchlight

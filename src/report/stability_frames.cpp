@@ -19,6 +19,7 @@ struct FrameTrial {
     double distance_m = 1;
     double emissive = 0;
     double exposure_ev = 0;
+    EffectSettings effects = {};
 };
 
 Solve solve_of(const FrameTrial& trial) {
@@ -54,6 +55,7 @@ Scene scene_of(const FrameTrial& trial, const Camera& camera) {
     sphere.material.roughness = 0.2;
     if (trial.emissive > 0) sphere.material.emissive = std::array{trial.emissive, trial.emissive, trial.emissive};
     scene.objects.push_back(sphere);
+    scene.effects = trial.effects;
     return scene;
 }
 
@@ -79,6 +81,32 @@ StabilityCase frame_case(const std::string& name, const FrameTrial& trial) {
                 return StabilityOutcome{bad_samples(*current_gl_context(), trial), {}}; }};
 }
 
+/// What lens, sensor and codec do, each at the end of its range.
+EffectSettings all_of_the_sensor() {
+    EffectSettings effects;
+    effects.grain = GrainSettings{.read = 1, .shot = 1, .correlation_px = 4, .strength = 100, .seed = 1'000'000'000};
+    effects.vignette = VignetteSettings{.v1 = -1, .v2 = 0};
+    effects.chromatic_aberration = ChromaticAberrationSettings{.red_px = 100, .blue_px = -100};
+    effects.softness = SoftnessSettings{.sigma_px = 16};
+    return effects;
+}
+
+void add_sensor_cases(std::vector<StabilityCase>& cases) {
+    const EffectSettings effects = all_of_the_sensor();
+    const std::string what = "grain, vignette, colour and softness at their strongest, ";
+    cases.push_back(frame_case(what + "1×1", {.width = 1, .height = 1, .radius_px = 0.7, .effects = effects}));
+    cases.push_back(frame_case(what + "7×5", {.width = 7, .height = 5, .radius_px = 5, .effects = effects}));
+    cases.push_back(frame_case(what + "a sphere at the last pixel", {.at = {0.999, 0.998}, .effects = effects}));
+    for (const double emissive : {65504.0, 1e9}) {
+        cases.push_back(frame_case(what + fmt::format("a sphere that sends {:g}", emissive),
+                                   {.emissive = emissive, .effects = effects}));
+    }
+    for (const double exposure_ev : {-64.0, 64.0}) {
+        cases.push_back(frame_case(what + fmt::format("an exposure of {:g} EV", exposure_ev),
+                                   {.exposure_ev = exposure_ev, .effects = effects}));
+    }
+}
+
 }  // namespace
 
 std::vector<StabilityCase> frame_cases() {
@@ -96,6 +124,7 @@ std::vector<StabilityCase> frame_cases() {
     for (const double exposure_ev : {-64.0, 64.0}) {
         cases.push_back(frame_case(fmt::format("an exposure of {:g} EV", exposure_ev), {.exposure_ev = exposure_ev}));
     }
+    add_sensor_cases(cases);
     return cases;
 }
 

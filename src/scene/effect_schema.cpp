@@ -95,6 +95,14 @@ const std::vector<SceneSection>& effect_sections() {
         {"effects.depth_of_field.bokeh", SectionUse::nested, "The shape of out-of-focus discs.", nullptr},
         {"effects.motion_blur", SectionUse::nested, "What moves while the shutter is open is smeared.",
          [](Scene& s) { s.effects.motion_blur.emplace(); }},
+        {"effects.grain", SectionUse::nested, "Noise on what is virtual.", [](Scene& s) { s.effects.grain.emplace(); }},
+        {"effects.chromatic_aberration", SectionUse::nested,
+         "Red and blue are displaced along the radius, in proportion to it.",
+         [](Scene& s) { s.effects.chromatic_aberration.emplace(); }},
+        {"effects.softness", SectionUse::nested, "What is virtual is as soft as the footage.",
+         [](Scene& s) { s.effects.softness.emplace(); }},
+        {"effects.vignette", SectionUse::nested, "Light falls off towards the corners.",
+         [](Scene& s) { s.effects.vignette.emplace(); }},
     };
     return sections;
 }
@@ -148,9 +156,14 @@ std::vector<Setting> all_effect_settings() {
          "objects blur as the solve, or the scene's camera, says that the lens does", nullptr},
         {"effects", "motion_blur", of_kind(effect), "", "\"off\"",
          "what moves while the shutter is open is smeared; the shutter is the solve's", nullptr},
-        {"effects", "grain", of_kind(left_out), "", "\"off\"", "off", nullptr},
-        {"effects", "vignette", of_kind(left_out), "", "\"off\"", "off", nullptr},
-        {"effects", "chromatic_aberration", of_kind(left_out), "", "\"off\"", "off", nullptr},
+        {"effects", "grain", of_kind(effect), "", "\"off\"", "what is virtual gets the noise of the footage", nullptr},
+        {"effects", "vignette", of_kind(effect), "", "\"auto\"",
+         "light falls off towards the corners as the solve says; without footage in the whole picture, if set by hand",
+         [](Scene& s, const SettingValue&) { s.effects.vignette.reset(); }},
+        {"effects", "chromatic_aberration", of_kind(effect), "", "\"off\"",
+         "the lens displaces red and blue of what is virtual; the solve does not know it: give it by hand", nullptr},
+        {"effects", "softness", of_kind(effect), "", "\"off\"",
+         "what is virtual blurs as the footage's codec and resampling do", nullptr},
 
         {"effects.bloom", "level", one_of({"classic", "pyramid", "reference"}), "", "\"pyramid\"", "how it is computed",
          [](Scene& s, const SettingValue& v) { s.effects.bloom->level = static_cast<BloomLevel>(v.choice); }},
@@ -176,6 +189,7 @@ std::vector<Setting> all_effect_settings() {
     add_exposure_settings(settings);
     add_depth_of_field_settings(settings);
     add_motion_blur_settings(settings);
+    add_sensor_settings(settings);
     add_glare_settings<glare_of_all>(settings, "effects.glare", "effects.glare.aperture");
     add_glare_settings<glare_of_dazzle>(settings, "effects.dazzle.glare", "effects.dazzle.glare.aperture");
     return settings;

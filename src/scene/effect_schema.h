@@ -14,5 +14,6 @@ const std::vector<Setting>& effect_settings();
 // Rows that have a file of their own.
 void add_depth_of_field_settings(std::vector<Setting>& rows);
 void add_motion_blur_settings(std::vector<Setting>& rows);
+void add_sensor_settings(std::vector<Setting>& rows);
 
 }  // namespace matchlight

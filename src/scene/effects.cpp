@@ -1,6 +1,8 @@
 // Ranges of the effects' settings.
 #include "scene/effects.h"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -78,6 +80,35 @@ void DepthOfFieldSettings::check() const {
 void MotionBlurSettings::check() const {
     if (shutter) check_range("motion_blur shutter", *shutter, 0, 1);
     check_range("motion_blur sub_frames", sub_frames, 1, 65536);
+}
+
+void GrainSettings::check() const {
+    if (read) check_range("grain read", *read, 0, 1);
+    if (shot) check_range("grain shot", *shot, 0, 1);
+    if (correlation_px) check_range("grain correlation_px", *correlation_px, 0, 4);
+    check_range("grain strength", strength, 0, 100);
+    check_range("grain seed", seed, 0, 1e9);
+}
+
+void ChromaticAberrationSettings::check() const {
+    if (red_px) check_range("chromatic_aberration red_px", *red_px, -100, 100);
+    if (blue_px) check_range("chromatic_aberration blue_px", *blue_px, -100, 100);
+}
+
+void SoftnessSettings::check() const {
+    if (sigma_px) check_range("softness sigma_px", *sigma_px, 0, 16);
+}
+
+void VignetteSettings::check() const {
+    if (v1) check_range("vignette v1", *v1, -1, 10);
+    if (v2) check_range("vignette v2", *v2, -1, 10);
+    // 1 + v1 t + v2 t², t = r² from 0 to 1: least at an end, or where its slope is 0.
+    const double a = v1.value_or(0), b = v2.value_or(0);
+    const double turn = b > 0 ? std::clamp(-a / (2 * b), 0.0, 1.0) : 1;
+    if (1 + a * turn + b * turn * turn < 0) {
+        throw std::invalid_argument(
+            fmt::format("vignette 1 {:+g} r² {:+g} r⁴ turns light negative at r = {:.3g}", a, b, std::sqrt(turn)));
+    }
 }
 
 }  // namespace matchlight

@@ -157,6 +157,37 @@ inline constexpr double least_motion_px = 0.25;
 /// Of scenes without footage: half the frame's time, the rotary shutter of film cameras.
 inline constexpr double usual_shutter = 0.5;
 
+/// The camera's noise on what is virtual: variance = read² + shot · light, plate-linear. The solve's unless given.
+struct GrainSettings {
+    std::optional<double> read = {}, shot = {};
+    std::optional<double> correlation_px = {};  // standard deviation of the Gaussian that smooths the noise; 0: none
+    double strength = 1;                        // times the noise that is added
+    int seed = 1;
+
+    void check() const;
+};
+
+/// The lens' fall-off: gain = 1 + v1 r² + v2 r⁴, r = 1 in the corners. The solve's unless given.
+struct VignetteSettings {
+    std::optional<double> v1 = {}, v2 = {};
+
+    void check() const;
+};
+
+/// Red and blue displaced along the radius, away from the middle, in plate pixels at the frame's corners.
+struct ChromaticAberrationSettings {
+    std::optional<double> red_px = {}, blue_px = {};
+
+    void check() const;
+};
+
+/// What codec and resampling blurred in the footage, as a Gaussian.
+struct SoftnessSettings {
+    std::optional<double> sigma_px = {};  // the solve's unless given
+
+    void check() const;
+};
+
 struct EffectSettings {
     std::optional<BloomSettings> bloom;
     std::optional<GlareSettings> glare;
@@ -164,6 +195,10 @@ struct EffectSettings {
     std::optional<ExposureSettings> exposure;
     std::optional<DepthOfFieldSettings> depth_of_field;
     std::optional<MotionBlurSettings> motion_blur;
+    std::optional<GrainSettings> grain;
+    std::optional<ChromaticAberrationSettings> chromatic_aberration;
+    std::optional<SoftnessSettings> softness;
+    std::optional<VignetteSettings> vignette = VignetteSettings{};  // nullopt: off
 };
 
 }  // namespace matchlight

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <map>
 #include <set>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -48,6 +49,7 @@ public:
         if (const toml::node* background = root.get("background")) check_background(*background);
         check_exposure(root);
         check_focus(root);
+        check_vignette(root);
         scene_.effective_toml = std::move(effective_);
         return std::move(scene_);
     }
@@ -68,6 +70,7 @@ private:
     void check_background(const toml::node& node);
     void check_exposure(const toml::table& root);
     void check_focus(const toml::table& root);
+    void check_vignette(const toml::table& root);
 
     void append(std::string_view header, const std::vector<std::string>& lines) {
         if (!effective_.empty()) effective_ += "\n";
@@ -202,6 +205,10 @@ std::vector<std::string> SceneReader::read_table(const SceneSection& section, co
             source_.fail(table, fmt::format("'{}' is missing in [{}]: {}", setting.key, section.name, setting.help));
         } else if (!setting.fallback.empty()) {
             const toml::table fallback = toml::parse(fmt::format("value = {}", setting.fallback));
+            if (setting.domain.kind == SettingKind::effect) {
+                lines.push_back(fmt::format("{} = {}", setting.key, *read_value(setting, *fallback.get("value"))));
+                continue;
+            }
             if (setting.set != nullptr) setting.set(scene_, read_setting(source_, setting, *fallback.get("value")));
             lines.push_back(fmt::format("{} = {}", setting.key, setting.fallback));
         }
@@ -239,7 +246,10 @@ std::optional<std::string> SceneReader::read_value(const Setting& setting, const
         case SettingKind::effect: {
             if (node.is_table()) return nested(node);
             const bool off = node.value_exact<std::string>() == "off" || node.value_exact<bool>() == false;
-            if (off) return "\"off\"";
+            if (off) {
+                if (setting.set != nullptr) setting.set(scene_, {});
+                return "\"off\"";
+            }
             const bool automatic = node.value_exact<std::string>() == "auto" || node.value_exact<bool>() == true;
             if (!automatic) {
                 source_.fail(node, fmt::format("'{}' in [{}] is {}", setting.key, setting.section, toml_text(node)),
@@ -385,6 +395,16 @@ void SceneReader::check_focus(const toml::table& root) {
         *table->get("object"),
         fmt::format("'object' in [effects.depth_of_field]: the scene has no object '{}'", wanted),
         names.empty() ? "give it an [[object]]" : fmt::format("did you mean '{}'?", nearest_word(wanted, names)));
+}
+
+void SceneReader::check_vignette(const toml::table& root) {
+    const toml::node* node = root["effects"]["vignette"].node();
+    if (node == nullptr || !scene_.effects.vignette) return;
+    try {
+        scene_.effects.vignette->check();
+    } catch (const std::invalid_argument& error) {
+        source_.fail(*node, fmt::format("'vignette' in [effects]: {}", error.what()), "give smaller v1 or v2");
+    }
 }
 
 }  // namespace

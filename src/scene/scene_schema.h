@@ -68,7 +68,8 @@ struct Setting {
     std::string_view unit;
     std::string_view fallback;  // TOML text; empty: stays unset
     std::string_view help;
-    void (*set)(Scene&, const SettingValue&);  // null for kinds that hold no value of their own
+    void (*set)(Scene&, const SettingValue&);  // null for kinds that hold no value of their own; of an effect that is
+                                               // on by itself: turns it off
 };
 
 enum class SectionUse {

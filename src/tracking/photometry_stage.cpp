@@ -80,6 +80,7 @@ void take_noise(const ClipContext& context, const ClipObservations& clip, Solve&
         return;
     }
     solve.noise = {noise->read, noise->shot};
+    solve.noise_neighbour_correlation = noise->neighbour_correlation;
     summary.noise_neighbour_correlation = noise->neighbour_correlation;
     summary.noise_relative_error = noise->relative_error;
 }

@@ -162,6 +162,10 @@ void read_photometry(Solve& solve, const json& photometry, const Place& place) {
         solve.noise = {read_number(need_key(*noise, "read", place), "read", place),
                        read_number(need_key(*noise, "shot", place), "shot", place)};
         if ((*solve.noise)[0] < 0 || (*solve.noise)[1] < 0) place.fail("\"noise\" is negative");
+        solve.noise_neighbour_correlation = find_number(*noise, "neighbour_correlation", place);
+        if (std::abs(solve.noise_neighbour_correlation.value_or(0)) > 1) {
+            place.fail("\"neighbour_correlation\" is not from -1 to 1");
+        }
     }
     solve.softness_px = find_number(photometry, "softness_px", place);
     if (solve.softness_px && *solve.softness_px < 0) place.fail("\"softness_px\" is negative");

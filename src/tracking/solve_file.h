@@ -63,9 +63,10 @@ struct Solve {
     std::optional<double> readout_s;             // rolling shutter: from the first row to the last; absent: not known
     std::vector<SolvedTag> rig;
     Response response = Response::srgb();
-    std::optional<std::array<double, 2>> vignette;  // gain = 1 + v1 r² + v2 r⁴, r = 1 at the corner
-    std::optional<std::array<double, 2>> noise;     // read, shot: variance = read² + shot · signal, plate-linear
-    std::optional<double> softness_px;              // standard deviation of the blur that the codec adds
+    std::optional<std::array<double, 2>> vignette;      // gain = 1 + v1 r² + v2 r⁴, r = 1 at the corner
+    std::optional<std::array<double, 2>> noise;         // read, shot: variance = read² + shot · signal, plate-linear
+    std::optional<double> noise_neighbour_correlation;  // of the noise of neighbouring pixels; 0: white
+    std::optional<double> softness_px;                  // standard deviation of the blur that the codec adds
     std::optional<Eigen::Vector3d> light_gradient_ev_per_m;  // how the light on the rig changes over the world
     std::vector<SolvedFrame> frames;                         // in ascending order
     std::string provenance;                                  // version and the effective settings that made it

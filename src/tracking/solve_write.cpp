@@ -81,7 +81,10 @@ json solve_to_json(const Solve& solve) {
         const Eigen::Vector3d& gradient = *solve.light_gradient_ev_per_m;
         photometry["light_gradient_ev_per_m"] = {gradient.x(), gradient.y(), gradient.z()};
     }
-    if (solve.noise) photometry["noise"] = {{"read", (*solve.noise)[0]}, {"shot", (*solve.noise)[1]}};
+    if (solve.noise) {
+        photometry["noise"] = {{"read", (*solve.noise)[0]}, {"shot", (*solve.noise)[1]}};
+        put(photometry["noise"], "neighbour_correlation", solve.noise_neighbour_correlation);
+    }
     if (!solve.provenance.empty()) file["provenance"] = solve.provenance;
     file["frames"] = json::array();
     for (const SolvedFrame& frame : solve.frames) file["frames"].push_back(frame_to_json(frame));

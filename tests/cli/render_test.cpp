@@ -80,6 +80,49 @@ TEST_F(RenderTest, PixelsThatNothingTouchesAreTheDecodedPlate) {
     EXPECT_GT(changed_inside, 8000);  // three objects of about 70 px each
 }
 
+TEST_F(RenderTest, GrainIsTheSameInAnyChunkAndOnWhatIsTouchedAlone) {
+    const std::string level = "draft";
+    ASSERT_TRUE(succeeded(render(scratch_ / "plain_%03d.png", {"--frames", "5-6", "--level", level})));
+    std::ofstream(scene_, std::ios::app) << "[effects]\ngrain = {strength = 3}\n";  // the solve's noise
+    const fs::path masks = scratch_ / "touched_%03d.png";
+    ASSERT_TRUE(
+        succeeded(render(scratch_ / "both_%03d.png", {"--frames", "5-6", "--level", level, "--touched", masks})));
+    ASSERT_TRUE(succeeded(render(scratch_ / "one_%03d.png", {"--frames", "6-6", "--level", level})));
+    EXPECT_EQ(bytes_of(scratch_ / "both_006.png"), bytes_of(scratch_ / "one_006.png"));
+    // What grain did to each frame: nothing outside of what is touched, and another noise in each.
+    std::vector<std::vector<double>> noise(2);
+    for (const int frame : {5, 6}) {
+        const Image8 plain = read_rgb8(numbered(scratch_ / "plain_%03d.png", frame));
+        const Image8 grainy = read_rgb8(numbered(scratch_ / "both_%03d.png", frame));
+        const Image8 touched = read_mask(numbered(masks, frame));
+        for (int y = 0; y < plain.height(); ++y) {
+            for (int x = 0; x < plain.width(); ++x) {
+                const double added = grainy.at(x, y, 1) - plain.at(x, y, 1);
+                if (touched.at(x, y) == 0) ASSERT_EQ(added, 0) << x << ' ' << y;
+                noise[static_cast<std::size_t>(frame - 5)].push_back(added);
+            }
+        }
+    }
+    double squares = 0, products = 0;
+    for (std::size_t i = 0; i < noise[0].size(); ++i) {
+        squares += noise[0][i] * noise[0][i];
+        products += noise[0][i] * noise[1][i];
+    }
+    EXPECT_GT(squares, 10'000) << "of thousands of pixels each moved by some codes";
+    EXPECT_LT(std::abs(products), 0.1 * squares);
+}
+
+TEST_F(RenderTest, GrainOfUnknownNoiseIsSaidOnce) {
+    std::string solve = bytes_of(shot_ / "table.solve.json");
+    solve.replace(solve.find("\"noise\""), 7, "\"noises\"");
+    std::ofstream(shot_ / "table.solve.json", std::ios::binary | std::ios::trunc) << solve;
+    std::ofstream(scene_, std::ios::app) << "[effects]\ngrain = \"auto\"\nchromatic_aberration = \"auto\"\n";
+    const RunResult run = render(scratch_ / "out_%03d.png", {"--frames", "5-5", "--level", "draft"});
+    ASSERT_TRUE(succeeded(run));
+    EXPECT_THAT(run.standard_error, testing::HasSubstr("the noise is not known"));
+    EXPECT_THAT(run.standard_error, testing::HasSubstr("chromatic aberration is not known"));
+}
+
 TEST_F(RenderTest, MasksNeverReplaceWhatExists) {
     const fs::path output = scratch_ / "out_%03d.png";
     const std::vector<std::string> some{"--frames", "5-6", "--level", "draft", "--touched"};

@@ -60,6 +60,38 @@ TEST_F(VirtualScene, ShowsItsBackgroundInExactCodes) {
     }
 }
 
+TEST_F(VirtualScene, TheVignetteDarkensTheWholePicture) {
+    const fs::path scene =
+        write("width = 9\nheight = 7\n",
+              "[background]\ncolor = [0.5, 0.5, 0.5]\n[effects]\nvignette = {v1 = -0.5, v2 = 0.1}\n");
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "out_%d.png")));
+    const Image8 picture = read_rgb8(scratch_ / "out_0.png");
+    for (int y = 0; y < 7; ++y) {
+        for (int x = 0; x < 9; ++x) {
+            const double r2 = ((x - 4) * (x - 4) + (y - 3) * (y - 3)) / (4.5 * 4.5 + 3.5 * 3.5);
+            const double light = 0.5 * (1 - 0.5 * r2 + 0.1 * r2 * r2);
+            EXPECT_EQ(picture.at(x, y, 1), std::lround(255 * srgb_code_from_linear(light))) << x << ' ' << y;
+        }
+    }
+}
+
+TEST_F(VirtualScene, GrainIsOnTheWholePicture) {
+    const fs::path scene = write("width = 64\nheight = 48\nframes = 2\n",
+                                 "[background]\ncolor = [0.25, 0.25, 0.25]\n[effects]\ngrain = {read = 0.02}\n");
+    ASSERT_TRUE(succeeded(render(scene, scratch_ / "out_%d.exr")));
+    double squares = 0, products = 0;
+    const ImageF first = read_exr_part(scratch_ / "out_0.exr", "beauty", {"R", "G", "B"});
+    const ImageF second = read_exr_part(scratch_ / "out_1.exr", "beauty", {"R", "G", "B"});
+    for (std::size_t i = 0; i < first.samples().size(); ++i) {
+        squares += std::pow(first.samples()[i] - 0.25, 2);
+        products += (first.samples()[i] - 0.25) * (second.samples()[i] - 0.25);
+    }
+    const double count = 64 * 48 * 3;
+    // Four standard errors.
+    EXPECT_NEAR(std::sqrt(squares / count), 0.02, 0.02 * 4 / std::sqrt(2 * count));
+    EXPECT_NEAR(products / count, 0, 4 * 0.02 * 0.02 / std::sqrt(count));
+}
+
 TEST_F(VirtualScene, RendersVideoPicturesAndLayers) {
     const fs::path scene = write(small_clip, sky_and_ball);
     ASSERT_TRUE(succeeded(render(scene, scratch_ / "out.mp4")));

@@ -4,6 +4,9 @@
 
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -158,6 +161,55 @@ TEST(EffectSettings, ChecksRefuseWhatNoSceneFileMayHold) {
     DazzleSettings dazzle;
     dazzle.glare.emplace().directions = 0;
     EXPECT_THROW(dazzle.check(), std::invalid_argument);
+}
+
+TEST_F(EffectSettingsTest, SensorSettingsArrive) {
+    const EffectSettings effects = load(R"(
+grain = {read = 0.01, shot = 0.002, correlation_px = 0.7, strength = 0.5, seed = 9}
+vignette = {v1 = -0.3, v2 = 0.1}
+chromatic_aberration = {red_px = 1.5, blue_px = -0.5}
+softness = {sigma_px = 0.6}
+)");
+    EXPECT_EQ(effects.grain->read, 0.01);
+    EXPECT_EQ(effects.grain->shot, 0.002);
+    EXPECT_EQ(effects.grain->correlation_px, 0.7);
+    EXPECT_EQ(effects.grain->strength, 0.5);
+    EXPECT_EQ(effects.grain->seed, 9);
+    EXPECT_EQ(effects.vignette->v1, -0.3);
+    EXPECT_EQ(effects.vignette->v2, 0.1);
+    EXPECT_EQ(effects.chromatic_aberration->red_px, 1.5);
+    EXPECT_EQ(effects.chromatic_aberration->blue_px, -0.5);
+    EXPECT_EQ(effects.softness->sigma_px, 0.6);
+}
+
+TEST_F(EffectSettingsTest, TheVignetteAloneIsOnByItself) {
+    const EffectSettings defaults = load("");
+    EXPECT_TRUE(defaults.vignette && !defaults.vignette->v1 && !defaults.vignette->v2);
+    EXPECT_FALSE(defaults.grain || defaults.chromatic_aberration || defaults.softness);
+    EXPECT_FALSE(load("vignette = \"off\"\n").vignette);
+    EXPECT_FALSE(load("vignette = false\n").vignette);
+    EXPECT_TRUE(load("vignette = \"auto\"\ngrain = \"auto\"\n").vignette);
+}
+
+TEST_F(EffectSettingsTest, SensorSettingsOutOfRangeAreRefused) {
+    for (const auto& [text, named] : std::vector<std::pair<std::string, std::string>>{
+             {"grain = {read = -0.1}", "'read' in [effects.grain]"},
+             {"grain = {shot = nan}", "'shot' in [effects.grain]"},
+             {"grain = {shot = inf}", "'shot' in [effects.grain]"},
+             {"grain = {correlation_px = 4.1}", "'correlation_px' in [effects.grain]"},
+             {"grain = {seed = -1}", "'seed' in [effects.grain]"},
+             {"grain = {sead = 1}", "did you mean 'seed'?"},
+             {"grain = 3", "\"off\", \"auto\" or a table"},
+             {"vignette = {v1 = nan}", "'v1' in [effects.vignette]"},
+             {"vignette = {v1 = -0.8, v2 = -0.4}", "turns light negative at r = 1"},
+             {"vignette = {v1 = -1, v2 = 0.2}", "no error"},
+             {"chromatic_aberration = {red_px = 101}", "'red_px' in [effects.chromatic_aberration]"},
+             {"chromatic_aberration = {blue_px = nan}", "'blue_px' in [effects.chromatic_aberration]"},
+             {"softness = {sigma_px = -1}", "'sigma_px' in [effects.softness]"},
+             {"softness = {sigma_px = nan}", "'sigma_px' in [effects.softness]"},
+         }) {
+        EXPECT_THAT(error_of(text + "\n"), HasSubstr(named)) << text;
+    }
 }
 
 }  // namespace

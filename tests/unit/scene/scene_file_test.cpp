@@ -330,14 +330,9 @@ TEST_F(SceneFile, WhatThisVersionCannotDoIsSaid) {
     EXPECT_TRUE(warnings_.empty());
 }
 
-TEST_F(SceneFile, EffectsThatAreNotBuiltAreLeftOutAndCounted) {
-    load(std::string(footage_and_tags) + "[effects]\nbloom = \"off\"\ngrain = false\n");
+TEST_F(SceneFile, EffectsThatAreOffOrUnknown) {
+    load(std::string(footage_and_tags) + "[effects]\nbloom = \"off\"\nmotion_blur = false\ngrain = false\n");
     EXPECT_TRUE(warnings_.empty());
-    load(std::string(footage_and_tags) +
-         "[effects]\ndepth_of_field = \"auto\"\ngrain = {strength = 0.1}\n[quality]\nbudget_ms = 40\n");
-    ASSERT_EQ(warnings_.total(), 2);
-    EXPECT_THAT(warnings_.entries()[0].text,
-                HasSubstr("scene.toml:7: 'depth_of_field' in [effects]: not available in this version, left out"));
     EXPECT_THAT(error_after("[effects]\nblom = \"off\"\n"), HasSubstr("did you mean 'bloom'?"));
 }
 
@@ -388,8 +383,10 @@ TEST(SceneSchema, IsConsistent) {
         const SettingKind kind = setting.domain.kind;
         const bool nested =
             kind == SettingKind::section || kind == SettingKind::sections || kind == SettingKind::effect;
+        // An effect that is on by itself has to be turned off.
+        const bool turns_off = kind == SettingKind::effect && setting.fallback != "\"off\"";
         const bool holds_value = !nested && kind != SettingKind::left_out && kind != SettingKind::not_built;
-        EXPECT_EQ(setting.set != nullptr, holds_value) << setting.key;
+        EXPECT_EQ(setting.set != nullptr, holds_value || turns_off) << setting.key;
         // A file may have words that stand in its place.
         if (kind != SettingKind::input_file) {
             const bool has_words = kind == SettingKind::choice || kind == SettingKind::measure;

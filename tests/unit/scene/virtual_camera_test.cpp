@@ -111,12 +111,11 @@ TEST_F(SceneWithoutFootage, MistakesNameTheLineAndTheCure) {
     for (const auto& [text, expected] : rows) EXPECT_THAT(error_of(text), HasSubstr(expected)) << text;
 }
 
-TEST_F(SceneWithoutFootage, DepthOfFieldIsWarnedOfOnlyWhereItIsAskedFor) {
+TEST_F(SceneWithoutFootage, DepthOfFieldNeedsNoFootage) {
     const std::string camera = std::string(orbiting_camera) + "lens = {focus_distance_m = 0.5}\n";
-    load(camera);
+    EXPECT_FALSE(load(camera).effects.depth_of_field);
+    EXPECT_TRUE(load(camera + "[effects]\ndepth_of_field = \"auto\"\n").effects.depth_of_field);
     EXPECT_TRUE(warnings_.empty());
-    load(camera + "[effects]\ndepth_of_field = \"auto\"\n");
-    EXPECT_EQ(warnings_.total(), 1);
 }
 
 CameraSettings orbit(double elevation_deg, double from_deg, double to_deg, std::int64_t frames) {

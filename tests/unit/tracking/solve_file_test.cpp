@@ -42,6 +42,7 @@ Solve full_solve() {
     solve.response = Response::gamma(2.2);
     solve.vignette = {-0.11, 0.02};
     solve.noise = {0.001, 0.0004};
+    solve.noise_neighbour_correlation = 0.31;
     solve.provenance = "matchlight test";
     SolvedFrame full;
     full.frame = 0;
@@ -115,6 +116,7 @@ TEST_F(SolveFile, EveryFieldSurvivesToTheLastBit) {
     EXPECT_EQ(again.response.linear_from_code(0.3, 1), solve.response.linear_from_code(0.3, 1));
     EXPECT_EQ(again.vignette, solve.vignette);
     EXPECT_EQ(again.noise, solve.noise);
+    EXPECT_EQ(again.noise_neighbour_correlation, solve.noise_neighbour_correlation);
     EXPECT_EQ(again.provenance, solve.provenance);
     ASSERT_EQ(again.frames.size(), 2u);
     const SolvedFrame &full = again.frames[0], &expected = solve.frames[0];
@@ -155,6 +157,7 @@ TEST_F(SolveFile, KeysAreThoseOfTheInterface) {
     EXPECT_EQ(file["lens"]["camera_matrix"][0][2], 319.5);
     EXPECT_EQ(file["rig"][1]["world_from_tag"][3][3], 1);
     EXPECT_EQ(file["photometry"]["noise"]["read"], 0.001);
+    EXPECT_EQ(file["photometry"]["noise"]["neighbour_correlation"], 0.31);
     EXPECT_EQ(file["frames"][0]["confidence"]["focus"], 0.8);
     EXPECT_EQ(file["frames"][0]["covariance"].size(), 6u);
 }
@@ -191,6 +194,7 @@ TEST_F(SolveFile, DamageIsNamed) {
     expect_error(error_after([](json& f) { f["footage"]["frames"] = 2; }), "fewer frames");
     expect_error(error_after([](json& f) { f["rig"][0]["size_m"] = -1; }), "tag 0");
     expect_error(error_after([](json& f) { f["photometry"]["response"] = "log"; }), "not known");
+    expect_error(error_after([](json& f) { f["photometry"]["noise"]["neighbour_correlation"] = 1.5; }), "from -1 to 1");
     expect_error(error_after([](json& f) { f["frames"][1]["frame"] = 0; }), "ascending");
     // Errors of a frame name it: the second entry is frame 3.
     expect_error(error_after([](json& f) { f["frames"][1]["exposure_ev"] = "bright"; }), "frame 3");
