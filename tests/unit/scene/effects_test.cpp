@@ -198,7 +198,7 @@ TEST_F(EffectSettingsTest, SensorSettingsOutOfRangeAreRefused) {
              {"grain = {shot = inf}", "'shot' in [effects.grain]"},
              {"grain = {correlation_px = 4.1}", "'correlation_px' in [effects.grain]"},
              {"grain = {seed = -1}", "'seed' in [effects.grain]"},
-             {"grain = {sead = 1}", "did you mean 'seed'?"},
+             {"grain = {seeed = 1}", "did you mean 'seed'?"},
              {"grain = 3", "\"off\", \"auto\" or a table"},
              {"vignette = {v1 = nan}", "'v1' in [effects.vignette]"},
              {"vignette = {v1 = -0.8, v2 = -0.4}", "turns light negative at r = 1"},
