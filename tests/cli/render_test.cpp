@@ -98,7 +98,9 @@ TEST_F(RenderTest, GrainIsTheSameInAnyChunkAndOnWhatIsTouchedAlone) {
         for (int y = 0; y < plain.height(); ++y) {
             for (int x = 0; x < plain.width(); ++x) {
                 const double added = grainy.at(x, y, 1) - plain.at(x, y, 1);
-                if (touched.at(x, y) == 0) ASSERT_EQ(added, 0) << x << ' ' << y;
+                if (touched.at(x, y) == 0) {
+                    ASSERT_EQ(added, 0) << x << ' ' << y;
+                }
                 noise[static_cast<std::size_t>(frame - 5)].push_back(added);
             }
         }
