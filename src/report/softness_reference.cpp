@@ -23,7 +23,7 @@ std::vector<double> weights_of(double sigma, int radius) {
 }
 
 double variance_of(const std::vector<double>& weights) {
-    const double middle = static_cast<double>(weights.size() / 2);
+    const double middle = (static_cast<double>(weights.size()) - 1) / 2;
     double variance = 0;
     for (std::size_t i = 0; i < weights.size(); ++i) {
         variance += weights[i] * std::pow(static_cast<double>(i) - middle, 2);
