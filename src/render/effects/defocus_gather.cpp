@@ -49,9 +49,9 @@ void GatherKnobs::check() const {
 GatherKnobs gather_knobs(QualityLevel quality) {
     switch (quality) {
         case QualityLevel::draft:
-            return {.first_class_px = 4, .hidden = false};
+            return {.first_class_px = 6, .hidden = false};
         case QualityLevel::preview:
-            return {.first_class_px = 6, .hidden = true};
+            return {.first_class_px = 10, .hidden = true};
         case QualityLevel::reference:
             return {.first_class_px = 16, .hidden = true, .full_float = true};
         case QualityLevel::final_:
