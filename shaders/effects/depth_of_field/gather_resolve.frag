@@ -70,6 +70,7 @@ void main() {
     // Two surfaces meet in the pixel where circles differ by more than one surface's would.
     float between = farthest - nearest > 1.0 ? 0.5 * (nearest + farthest) : largest_coc_px;
     vec2 widths = vec2(0.0), weights = vec2(0.0);
+    vec4 hidden_sharp = vec4(0.0);
     float coverage = 0.0;
     for (int y = first.y; y <= last.y; ++y) {
         float height = min(high.y, float(y + 1)) - max(low.y, float(y));
@@ -98,7 +99,7 @@ void main() {
             if (hidden_share == 0.0 || class_of(hidden_px) == class_of(coc_px)) continue;
             vec4 hidden = width * height * texelFetch(hidden_layer, ivec2(x, y), 0);
             if (is_sharp(hidden_px)) {
-                sharp += hidden;
+                hidden_sharp += hidden;
             } else {
                 back += hidden;
                 widths.y += width * height * hidden_px;
@@ -107,6 +108,8 @@ void main() {
 #endif
         }
     }
+    // Where a surface comes into focus within the pixel, what is behind it would take the place of its sharp part.
+    if (sharp.a == 0.0) sharp += hidden_sharp;
     float whole = footprint.x * footprint.y;
     sharp /= whole;
     front /= whole;
