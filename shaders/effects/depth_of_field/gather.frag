@@ -9,6 +9,7 @@ uniform ivec4 discs_region;
 uniform sampler2D widest;
 uniform ivec4 widest_region;
 uniform int tile_texels;
+uniform int is_far;             // beyond the focus, where wider discs are farther away
 uniform vec4 taps[TAPS];        // offset in texels, distance in units of the disc's radius; nearest first
 
 layout(location = 0) out vec4 light;      // premultiplied
@@ -32,7 +33,10 @@ void main() {
         if (distance > reach) break;
         ivec2 there = place + ivec2(taps[i].xy);
         vec2 disc = texelFetch(discs, there, 0).rg;
-        light += clamp(disc.r - distance, 0.0, 1.0) * texelFetch(light_share, there, 0);
+        // What is behind the texel's own surface shows no farther through it than that is blurred itself; a surface that
+        // slants away is not behind itself.
+        float radius = is_far != 0 && own > 0.0 ? min(disc.r, 1.25 * own) : disc.r;
+        light += clamp(radius - distance, 0.0, 1.0) * texelFetch(light_share, there, 0);
         float share = clamp(own - distance, 0.0, 1.0);
         seen += share;
         covered += share * disc.g;

@@ -260,6 +260,7 @@ private:
                                         run.bind(program, "discs", 1, discs);
                                         run.bind(program, "widest", 2, widest);
                                         program.set("tile_texels", tile_texels);
+                                        program.set("is_far", own_class > 0);
                                         program.set("taps", std::span<const Eigen::Vector4f>(taps));
                                     });
              }});
