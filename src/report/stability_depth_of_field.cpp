@@ -67,7 +67,8 @@ ImageF drawn_sharp(const ThinLensView& view) {
 
 /// Sides along x and y of a rectangle about the frame's middle, whose edges fall on layer pixels'.
 LensCard middle_card(int side_px, double depth_m, double light) {
-    const double left = (width - side_px) / 2 - 0.375, top = (height - side_px) / 2 - 0.375;
+    const int first_column = (width - side_px) / 2, first_row = (height - side_px) / 2;
+    const double left = first_column - 0.375, top = first_row - 0.375;
     return {.left_px = left,
             .top_px = top,
             .right_px = left + side_px,

@@ -74,14 +74,15 @@ StabilityOutcome outcome_of(const MovingPicture& before, const ImageF& after) {
 std::vector<StabilityCase> motion_blur_cases() {
     constexpr int frame_px = 192;
     std::vector<StabilityCase> cases;
-    for (const auto& [level, taps] : {std::pair{QualityLevel::final_, "final"}, {QualityLevel::draft, "draft"}}) {
+    for (const QualityLevel level : {QualityLevel::final_, QualityLevel::draft}) {
+        const char* const name = level == QualityLevel::final_ ? "final" : "draft";
         for (const Eigen::Vector2d& way : {Eigen::Vector2d(20, 0), {-9, 33}, {64, 64}}) {
             const double radiance = 1e5, length = way.norm();
             // A pixel gives each pixel of its trail no more than one over its length; draft's wide steps gather it into
             // fewer.
             const double stride = std::max(1.0, std::ceil(length / 2 / motion_blur_knobs(level).most_taps));
             cases.push_back({"motion blur",
-                             fmt::format("one pixel of 1e5 on a way of ({:g}, {:g}) px, {}", way.x(), way.y(), taps),
+                             fmt::format("one pixel of 1e5 on a way of ({:g}, {:g}) px, {}", way.x(), way.y(), name),
                              "largest light",
                              {0, radiance * std::sqrt(2.0) * stride / length * 1.001},
                              // A slanted way passes between pixels: each tap is shared by two.

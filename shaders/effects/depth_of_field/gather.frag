@@ -3,6 +3,10 @@
 
 #include "common/graph.glsl"
 
+#ifndef TAPS
+#define TAPS 1
+#endif
+
 uniform sampler2D light_share;
 uniform sampler2D discs;
 uniform ivec4 discs_region;

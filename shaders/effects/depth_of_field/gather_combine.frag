@@ -7,6 +7,10 @@
 
 #include "common/graph.glsl"
 
+#ifndef CLASSES
+#define CLASSES 1
+#endif
+
 uniform sampler2D before;           // of the passes before this one, in `light`
 uniform ivec4 before_region;
 uniform sampler2D before_required;

@@ -1,5 +1,5 @@
 #version 450 core
-// How the nearest surface moves over the picture while the shutter is open. Links with ways.vert.
+// How the nearest surface moves over the picture while the shutter is open. Links with effects/motion_blur/ways.vert.
 #include "common/material.glsl"
 
 in vec3 opening_m, closing_m;
