@@ -7,8 +7,8 @@
 
 #include "report/contact_shadow_reference.h"
 #include "report/prefilter_reference.h"
-#include "scene/ray_caster.h"
 #include "report/shadow_reference.h"
+#include "scene/ray_caster.h"
 
 namespace matchlight {
 namespace {
