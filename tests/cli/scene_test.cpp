@@ -166,12 +166,12 @@ TEST_F(SceneCommand, WhatCanBeLeftOutIsCounted) {
     const RunResult result =
         render_scene(scene_with("[[object]]\nmodel = \"texture.gltf\"\n"
                                 "[[object]]\nmodel = \"bad.obj\"\ntranslate = [0.05, 0, 0]\n"
-                                "[effects]\ndepth_of_field = \"auto\"\nbloom = \"off\"\n"));
+                                "[effects]\nchromatic_aberration = \"auto\"\nbloom = \"off\"\n"));
     EXPECT_TRUE(succeeded(result));
     EXPECT_TRUE(warned_of(result, {"texture.gltf", "texture 'none.png' is missing"}));
     EXPECT_TRUE(warned_of(result, {"bad.obj", "2 triangles"}));
-    EXPECT_TRUE(warned_of(result, {"scene.toml:14", "'depth_of_field'", "left out"}));
-    EXPECT_THAT(result.standard_error, testing::Not(HasSubstr("'bloom'")));
+    EXPECT_TRUE(warned_of(result, {"chromatic aberration is not known", "left out"}));
+    EXPECT_THAT(result.standard_error, testing::Not(HasSubstr("bloom")));
     EXPECT_TRUE(std::filesystem::exists(folder_ / "out.mp4"));
 }
 
