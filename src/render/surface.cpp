@@ -43,16 +43,18 @@ struct SurfaceRenderer::Object {
 
 /// What draws go into; grown to the largest view met, so that views whose size changes do not allocate every time.
 struct SurfaceRenderer::Targets {
+    /// One picture that is not multisampled.
+    struct ColorAndDepth {
+        Texture2D color, depth;
+        Framebuffer target;
+    };
     Texture2D multisampled_color, multisampled_depth;
     Framebuffer multisampled;
     Texture2D color, depth;  // depth only where nothing is multisampled
     Framebuffer resolved;
-    Texture2D hidden_color, hidden_depth;
-    Framebuffer hidden;
+    ColorAndDepth hidden, ways;
     Texture2D layer_depth_m, layer_normal, layer_id, layer_depth;
     Framebuffer layers;
-    Texture2D ways_color, ways_depth;
-    Framebuffer ways;
 
     static constexpr GLenum color_format = GL_RGBA16F;
     static constexpr GLenum depth_format = GL_DEPTH_COMPONENT32F;
@@ -91,15 +93,6 @@ struct SurfaceRenderer::Targets {
             multisampled = Framebuffer({multisampled_color}, multisampled_depth);
         }
     }
-    void fit_hidden(const SurfaceView& view) {
-        if (holds(hidden_color, view, 0)) return;
-        TextureShape shape = shape_for(hidden_color, view);
-        shape.format = color_format;
-        hidden_color = Texture2D(shape);
-        shape.format = depth_format;
-        hidden_depth = Texture2D(shape);
-        hidden = Framebuffer({hidden_color}, hidden_depth);
-    }
     void fit_layers(const SurfaceView& view) {
         if (holds(layer_depth_m, view, 0)) return;
         TextureShape shape = shape_for(layer_depth_m, view);
@@ -113,14 +106,14 @@ struct SurfaceRenderer::Targets {
         layer_depth = Texture2D(shape);
         layers = Framebuffer({layer_depth_m, layer_normal, layer_id}, layer_depth);
     }
-    void fit_ways(const SurfaceView& view) {
-        if (holds(ways_color, view, 0)) return;
-        TextureShape shape = shape_for(ways_color, view);
-        shape.format = GL_RGBA32F;
-        ways_color = Texture2D(shape);
+    static void fit(ColorAndDepth& pair, const SurfaceView& view, GLenum format) {
+        if (holds(pair.color, view, 0)) return;
+        TextureShape shape = shape_for(pair.color, view);
+        shape.format = format;
+        pair.color = Texture2D(shape);
         shape.format = depth_format;
-        ways_depth = Texture2D(shape);
-        ways = Framebuffer({ways_color}, ways_depth);
+        pair.depth = Texture2D(shape);
+        pair.target = Framebuffer({pair.color}, pair.depth);
     }
 };
 
@@ -353,9 +346,9 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
 SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, const SurfaceView& view,
                                             const SurfaceShading& shading) {
     assert(targets_->depth && Targets::holds(targets_->color, view, 0));
-    targets_->fit_hidden(view);
+    Targets::fit(targets_->hidden, view, Targets::color_format);
     const Region region{0, 0, view.width, view.height};
-    const Framebuffer& target = targets_->hidden;
+    const Framebuffer& target = targets_->hidden.target;
     target.bind(region);
     begin_clearing(region);
     target.clear_color(0, 0, 0, 0, 0);
@@ -372,8 +365,8 @@ SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, cons
     draw_meshes(light_program(environment, view, shading), view, Drawn::hidden_light);
     return {.width = view.width,
             .height = view.height,
-            .color = &targets_->hidden_color,
-            .depth_share = &targets_->hidden_depth};
+            .color = &targets_->hidden.color,
+            .depth_share = &targets_->hidden.depth};
 }
 
 SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
@@ -401,23 +394,23 @@ SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
 
 const Texture2D& SurfaceRenderer::draw_ways(const SurfaceView& view, std::span<const ObjectWay> ways) {
     assert(view.width > 0 && view.height > 0 && ways.size() == objects_.size());
-    targets_->fit_ways(view);
+    Targets::fit(targets_->ways, view, GL_RGBA32F);
     Program& program = shaders_.program(
         {{GL_VERTEX_SHADER, "effects/motion_blur/ways.vert"}, {GL_FRAGMENT_SHADER, "effects/motion_blur/ways.frag"}});
     program.use();
     program.set("near_m", near_plane_m);
     const Region region{0, 0, view.width, view.height};
-    targets_->ways.bind(region);
+    targets_->ways.target.bind(region);
     begin_clearing(region);
-    targets_->ways.clear_color(0, 0, 0, 0, 0);
-    targets_->ways.clear_depth();
+    targets_->ways.target.clear_color(0, 0, 0, 0, 0);
+    targets_->ways.target.clear_depth();
     glDisable(GL_SCISSOR_TEST);
     draw_meshes(program, view, Drawn::layers, [&](std::size_t index) {
         const ObjectWay& way = ways[index];
         program.set("opening_camera_from_model", Eigen::Matrix4f(way.opening_camera_from_model.cast<float>()));
         program.set("closing_camera_from_model", Eigen::Matrix4f(way.closing_camera_from_model.cast<float>()));
     });
-    return targets_->ways_color;
+    return targets_->ways.color;
 }
 
 void SurfaceRenderer::bake_visibility(Program& program) {

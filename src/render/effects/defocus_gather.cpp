@@ -24,12 +24,17 @@ constexpr double disc_step_texels = 1.0 / 16;
 /// Lenses bend: a disc may be drawn this much larger than a straight lens has it.
 constexpr double most_magnification = 1.25;
 
-/// 0: sharp; 1: narrower than the first class; then doubling (fragments.glsl).
+/// 0: sharp; 1: narrower than the first class; then doubling (circles.glsl).
 int class_of(double coc_px, double first_class_px) {
     const double width = std::abs(coc_px);
     if (width < least_coc_px) return 0;
     if (width < first_class_px) return 1;
     return 2 + static_cast<int>(std::floor(std::log2(width / first_class_px)));
+}
+
+/// Radius of the widest disc of any class, drawn; the narrowest class' texels are plate pixels.
+double widest_disc_texels(const GatherKnobs& knobs) {
+    return most_magnification * knobs.first_class_px / 2;
 }
 
 struct ClassPicture {
@@ -42,8 +47,6 @@ struct ClassPicture {
 void GatherKnobs::check() const {
     if (!(first_class_px >= 2 && first_class_px <= 16))
         throw std::invalid_argument(fmt::format("gather first_class_px is {}, not from 2 to 16", first_class_px));
-    if (finest_texel_px != 1 && finest_texel_px != 2)
-        throw std::invalid_argument(fmt::format("gather finest_texel_px is {}, not 1 or 2", finest_texel_px));
 }
 
 GatherKnobs gather_knobs(QualityLevel quality) {
@@ -89,13 +92,9 @@ private:
     int classes_to(double coc_px) const {
         return class_of(std::clamp(coc_px, -largest_px_, largest_px_), knobs_.first_class_px);
     }
-    int texel_px_of(int own_class) const { return knobs_.finest_texel_px << (std::abs(own_class) - 1); }
-    /// Of the widest disc of any class, drawn.
-    double widest_disc_texels() const {
-        return most_magnification * knobs_.first_class_px / 2 / knobs_.finest_texel_px;
-    }
+    int texel_px_of(int own_class) const { return 1 << (std::abs(own_class) - 1); }
     /// How far a texel's light can go, and a texel for who magnifies the class.
-    int reach_texels() const { return static_cast<int>(std::ceil(widest_disc_texels())) + 2; }
+    int reach_texels() const { return static_cast<int>(std::ceil(widest_disc_texels(knobs_))) + 2; }
     int reach_px(int own_class) const { return (reach_texels() + 2) * texel_px_of(own_class); }
 
     void set_classes(Program& program) const {
@@ -240,7 +239,7 @@ private:
                                  run.draw(program);
                              }})[0];
         std::vector<Eigen::Vector4f> taps;
-        for (const DiscTap& tap : disc_taps(input_.bokeh, widest_disc_texels(), own_class < 0)) {
+        for (const DiscTap& tap : disc_taps(input_.bokeh, widest_disc_texels(knobs_), own_class < 0)) {
             taps.emplace_back(static_cast<float>(tap.offset.x()), static_cast<float>(tap.offset.y()),
                               static_cast<float>(tap.distance), 0.0F);
         }
@@ -331,7 +330,7 @@ private:
 
 GraphTexture GatherDefocus::add(RenderGraph& graph, const GatherInput& input, const GatherKnobs& knobs) {
     knobs.check();
-    const double radius = most_magnification * knobs.first_class_px / 2 / knobs.finest_texel_px;
+    const double radius = widest_disc_texels(knobs);
     constexpr int rows = 16;  // texels of 2^15 pixels: wider than any frame
     if (!discs_ || discs_radius_ != radius || discs_bokeh_ != input.bokeh) {
         const ImageF table = disc_table(input.bokeh, radius, disc_step_texels, rows);

@@ -23,7 +23,6 @@ namespace matchlight {
 /// What trades error for time.
 struct GatherKnobs {
     double first_class_px = 16;  // circles narrower than this are gathered at full resolution, from 2
-    int finest_texel_px = 1;     // plate pixels along the finest texel: 1 or 2
     bool hidden = true;          // draw what the nearest surface hides
     bool full_float = false;     // textures of 32 bits a channel instead of 16
 
