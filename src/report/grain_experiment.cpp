@@ -4,6 +4,7 @@
 
 #include "compositor/sensor.h"
 #include "report/experiments.h"
+#include "report/frame_trial.h"
 #include "report/grain_reference.h"
 
 namespace matchlight {
@@ -80,21 +81,13 @@ std::optional<Experiment> grain_experiment(const SceneStage& stage, const Experi
 
     GrainSettings faint = *settings;
     faint.strength = 0;
-    const auto make = [&](const std::optional<GrainSettings>& grain, bool leave_out) -> std::shared_ptr<Compositor> {
+    const auto make = [&](const std::optional<GrainSettings>& grain) -> std::shared_ptr<Compositor> {
+        // Both draw all that could be left out, so that grain alone is between them.
         return std::make_shared<Compositor>(stage.context, with_grain(stage.scene, grain), stage.solve,
-                                            CompositorOptions{.settings = quality, .leave_out = leave_out},
-                                            stage.warnings);
+                                            CompositorOptions{.settings = quality, .leave_out = false}, stage.warnings);
     };
-    // Both draw all that could be left out, so that grain alone is between them.
-    const auto drawn = make(faint, false), skipped = make(std::nullopt, false);
-    experiment.left_out = LeftOutTrial{.condition = "none of its noise can move a code by half a step",
-                                       .drawn = [&stage, drawn] { drawn->composite(*stage.plate); },
-                                       .skipped = [&stage, skipped] { skipped->composite(*stage.plate); },
-                                       .code_difference =
-                                           [&stage, drawn, skipped] {
-                                               return largest_code_difference(drawn->composite(*stage.plate).rgb8(),
-                                                                              skipped->composite(*stage.plate).rgb8());
-                                           }};
+    experiment.left_out =
+        whole_frame_trial(stage, "none of its noise can move a code by half a step", make(faint), make(std::nullopt));
     return experiment;
 }
 

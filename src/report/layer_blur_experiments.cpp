@@ -7,6 +7,7 @@
 #include "compositor/sensor.h"
 #include "render/effects/softness.h"
 #include "report/experiments.h"
+#include "report/frame_trial.h"
 #include "report/softness_reference.h"
 
 namespace matchlight {
@@ -49,15 +50,7 @@ LeftOutTrial left_out_trial(const SceneStage& stage, const std::string& conditio
             stage.context, changed(stage, change), stage.solve,
             CompositorOptions{.settings = quality_of(QualityLevel::final_), .leave_out = false}, stage.warnings);
     };
-    const auto drawn = make(faint), skipped = make(off);
-    return {.condition = condition,
-            .drawn = [&stage, drawn] { drawn->composite(*stage.plate); },
-            .skipped = [&stage, skipped] { skipped->composite(*stage.plate); },
-            .code_difference =
-                [&stage, drawn, skipped] {
-                    return largest_code_difference(drawn->composite(*stage.plate).rgb8(),
-                                                   skipped->composite(*stage.plate).rgb8());
-                }};
+    return whole_frame_trial(stage, condition, make(faint), make(off));
 }
 
 /// The effect at the levels that differ, and the picture without it.
