@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <string>
+
+#include <unistd.h>
 
 #include "core/error.h"
 #include "core/transfer.h"
@@ -142,7 +145,8 @@ TEST_F(BackgroundTest, ShowsAColourThroughTheGain) {
 }
 
 TEST_F(BackgroundTest, ShowsAPictureAsItIs) {
-    const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "matchlight_background.png";
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("matchlight_background_" + std::to_string(getpid()) + ".png");
     Image8 codes(3, 2, 3);
     for (std::size_t i = 0; i < codes.samples().size(); ++i) codes.samples()[i] = static_cast<std::uint8_t>(14 * i);
     write_png8(path, codes);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "core/error.h"
 
@@ -25,7 +26,7 @@ class BoardFile : public testing::Test {
 protected:
     ~BoardFile() override { std::filesystem::remove(path_); }
     BoardSpec read(const std::string& extension, const std::string& text) {
-        path_ = std::filesystem::path(testing::TempDir()) / ("matchlight_board" + extension);
+        path_ = std::filesystem::temp_directory_path() / ("matchlight_board_" + std::to_string(getpid()) + extension);
         std::ofstream(path_) << text;
         return read_board(path_.string());
     }

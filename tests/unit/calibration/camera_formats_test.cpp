@@ -6,6 +6,7 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "calibration/camera.h"
 #include "core/error.h"
@@ -28,7 +29,8 @@ protected:
         }
         return {};
     }
-    std::filesystem::path path_ = std::filesystem::path(testing::TempDir()) / "matchlight_formats.yaml";
+    std::filesystem::path path_ =
+        std::filesystem::temp_directory_path() / ("matchlight_formats_" + std::to_string(getpid()) + ".yaml");
 };
 
 Camera some_camera(LensModel lens, std::vector<double> distortion) {

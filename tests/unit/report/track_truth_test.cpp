@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -123,8 +124,7 @@ TEST(TrackTruth, AnErrorAsLargeAsItsCovarianceSaysIsOne) {
 class TruthFile : public testing::Test {
 protected:
     void SetUp() override {
-        path_ = fs::temp_directory_path() / (std::string("matchlight_truth_") +
-                                             testing::UnitTest::GetInstance()->current_test_info()->name() + ".json");
+        path_ = fs::temp_directory_path() / ("matchlight_truth_" + std::to_string(getpid()) + ".json");
     }
     void TearDown() override { fs::remove(path_); }
 
