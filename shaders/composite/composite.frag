@@ -66,7 +66,7 @@ void main() {
 #ifdef BLURRED_LAYER
     virtual_light = fetch_or_zero(blurred_layer, blurred_layer_region, ivec2(pixel));
 #else
-    if (reached && layer_present != 0) virtual_light = layer_over_pixel(normalized, layer_footprint(pixel, normalized));
+    if (reached && layer_present != 0) virtual_light = layer_over_pixel(ivec2(pixel), normalized);
 #endif
 #ifdef CHANNEL_COVERAGE
     vec3 coverage = fetch_or_zero(channel_coverage, channel_coverage_region, ivec2(pixel)).rgb;

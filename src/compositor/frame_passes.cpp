@@ -13,6 +13,9 @@ namespace matchlight {
 
 namespace {
 
+/// Layer pixels around what is in view, so that footprints at its edge find what they look for.
+constexpr int layer_margin = 2;
+
 /// Code values over `region`, decoded in the runs alone.
 ImageF code_of_runs(const PlateFrame& plate, const Region& region, const std::vector<Region>& runs) {
     ImageF code(region.width, region.height, 3);
@@ -91,10 +94,8 @@ GraphTexture FramePasses::add_surface(bool layers) {
         graph.leave_out("surface", "no object is in view");
         return {};
     }
-    // Two layer pixels around what is in view, so that footprints at its edge find what they look for.
-    constexpr int margin = 2;
     // What llvmpipe and GPUs alike hold as a target; wider views are drawn coarser.
-    const double limit = std::min(8192, resources_.context.info().max_texture_size) - 2 * margin - 1;
+    const double limit = std::min(8192, resources_.context.info().max_texture_size) - 4 * layer_margin - 1;
     const Camera& camera = resources_.camera;
     if (plan_.layer_effects.lens_spread_px() > 0) {
         const Eigen::Vector2d spread =
@@ -106,11 +107,16 @@ GraphTexture FramePasses::add_surface(bool layers) {
     density = std::min({density, limit / (span.x() * camera.fx), limit / (span.y() * camera.fy)});
     layer_.fx = camera.fx * density;
     layer_.fy = camera.fy * density;
-    layer_.cx = margin - std::floor(bounds.min().x() * layer_.fx);
-    layer_.cy = margin - std::floor(bounds.min().y() * layer_.fy);
     SurfaceView view;
-    view.width = static_cast<int>(std::ceil(span.x() * layer_.fx)) + 2 * margin + 1;
-    view.height = static_cast<int>(std::ceil(span.y() * layer_.fy)) + 2 * margin + 1;
+    if (!camera.has_distortion() && density == std::round(density)) {
+        place_on_plate_pixels(bounds, view);
+    } else {
+        layer_.whole_density = 0;
+        layer_.cx = layer_margin - std::floor(bounds.min().x() * layer_.fx);
+        layer_.cy = layer_margin - std::floor(bounds.min().y() * layer_.fy);
+        view.width = static_cast<int>(std::ceil(span.x() * layer_.fx)) + 2 * layer_margin + 1;
+        view.height = static_cast<int>(std::ceil(span.y() * layer_.fy)) + 2 * layer_margin + 1;
+    }
     // Depth of field reads the depth of single pixels.
     view.samples = plan_.layer_effects.blurs_focus() ? 1 : resources_.quality.samples;
     const PinholeView pinhole{.fx = layer_.fx,
@@ -126,7 +132,7 @@ GraphTexture FramePasses::add_surface(bool layers) {
     // Colour (half floats) and depth are written once a sample.
     constexpr double bytes_a_sample = 8 + 4;
     const GraphTexture drawn =
-        graph.import(nullptr, {.format = GL_NONE, .region = plate_region(bounds, camera, margin)});
+        graph.import(nullptr, {.format = GL_NONE, .region = plate_region(bounds, camera, layer_margin)});
     graph.add_pass({.name = "surface",
                     .reads = light,
                     .provides = {drawn},
@@ -146,6 +152,22 @@ GraphTexture FramePasses::add_surface(bool layers) {
                         layer_.picture.object_id = geometry.object_id;
                     }});
     return drawn;
+}
+
+/// Every plate pixel is a square of whole layer pixels, which the layer begins and ends with.
+void FramePasses::place_on_plate_pixels(const Eigen::AlignedBox2d& bounds, SurfaceView& view) {
+    const Camera& camera = resources_.camera;
+    const double density = std::round(layer_.fx / camera.fx);
+    // Pixels count from their middle.
+    const Eigen::Array2d focal(camera.fx, camera.fy), corner(camera.cx + 0.5, camera.cy + 0.5);
+    const Eigen::Array2i first = (bounds.min().array() * focal + corner).floor().cast<int>() - 1;
+    const Eigen::Array2i end = (bounds.max().array() * focal + corner).ceil().cast<int>() + 1;
+    layer_.whole_density = static_cast<int>(density);
+    layer_.first_pixel = first.matrix();
+    layer_.cx = (corner.x() - first.x()) * density - 0.5;
+    layer_.cy = (corner.y() - first.y()) * density - 0.5;
+    view.width = (end.x() - first.x()) * layer_.whole_density;
+    view.height = (end.y() - first.y()) * layer_.whole_density;
 }
 
 SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeView& pinhole) {

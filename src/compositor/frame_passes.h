@@ -72,6 +72,7 @@ private:
     GraphTexture add_surface(bool layers);
     /// From every point of the lens and at every time that the layer is drawn at: once, unless defocus or motion blur
     /// is drawn that way.
+    void place_on_plate_pixels(const Eigen::AlignedBox2d& bounds, SurfaceView& view);
     SurfacePicture draw_surface(const SurfaceView& view, const PinholeView& pinhole);
     /// How objects move over the layer.
     void draw_ways(const SurfaceView& view);

@@ -20,6 +20,7 @@ GraphTexture add_gather(RenderGraph& graph, const LayerEffectInput& input, const
                             {.layer_drawn = input.input.layer_drawn,
                              .bind_layer = [&composite = input.composite, layer = input.input](
                                                Program& program) { composite.set_layer(program, layer); },
+                             .layer_defines = CompositePass::layer_defines(input.input),
                              .region = input.objects,
                              .layer_density = input.layer_density,
                              .focus = input.input.optics.focus,

@@ -118,6 +118,11 @@ GraphTexture CompositePass::add_upload(RenderGraph& graph, const char* name, con
                            }})[0];
 }
 
+ShaderDefines CompositePass::layer_defines(const CompositeInput& input) {
+    if (input.layer == nullptr || input.layer->whole_density == 0) return {};
+    return {{"LAYER_DENSITY", std::to_string(input.layer->whole_density)}};
+}
+
 void CompositePass::set_layer(Program& program, const CompositeInput& input) const {
     static const VirtualLayer nothing;
     const VirtualLayer& layer = input.layer != nullptr ? *input.layer : nothing;
@@ -126,6 +131,7 @@ void CompositePass::set_layer(Program& program, const CompositeInput& input) con
     program.set("layer_size", Eigen::Vector2i(picture.width, picture.height));
     program.set("layer_intrinsics",
                 Eigen::Vector4f(Eigen::Vector4d(layer.fx, layer.fy, layer.cx, layer.cy).cast<float>()));
+    program.set("layer_first_pixel", layer.first_pixel);
     const auto bind_or = [&](const char* sampler, GLuint unit, const Texture2D* texture, const Texture2D& otherwise) {
         program.bind_texture(sampler, unit, texture != nullptr ? *texture : otherwise);
     };
@@ -175,17 +181,17 @@ void CompositePass::set_input(Program& program, const CompositeInput& input) con
 }
 
 ResolvedLayer CompositePass::add_resolved_layer(RenderGraph& graph, const CompositeInput& input, const Region& region) {
-    const std::vector<GraphTexture> written = graph.add_pass({.name = "resolve",
-                                                              .reads = {{input.layer_drawn}},
-                                                              .writes = {GL_RGBA32F, GL_R32F},
-                                                              .region = region,
-                                                              .draw = [this, input](PassRun& run) {
-                                                                  Program& program =
-                                                                      shaders_.full_screen("composite/resolve.frag");
-                                                                  program.use();
-                                                                  set_layer(program, input);
-                                                                  run.draw(program);
-                                                              }});
+    const std::vector<GraphTexture> written =
+        graph.add_pass({.name = "resolve",
+                        .reads = {{input.layer_drawn}},
+                        .writes = {GL_RGBA32F, GL_R32F},
+                        .region = region,
+                        .draw = [this, input](PassRun& run) {
+                            Program& program = shaders_.full_screen("composite/resolve.frag", layer_defines(input));
+                            program.use();
+                            set_layer(program, input);
+                            run.draw(program);
+                        }});
     return {written[0], written[1]};
 }
 
@@ -210,7 +216,7 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
                    .reads = {{plate}, {input.layer_drawn}, {blurred.light}, {blurred.shadow}, {blurred.coverage}},
                    .writes = {GL_RGBA32F},
                    .region = input.region};
-    ShaderDefines defines;
+    ShaderDefines defines = layer_defines(input);
     if (blurred.light) defines["BLURRED_LAYER"] = "1";
     if (blurred.shadow) defines["BLURRED_SHADOW"] = "1";
     if (blurred.coverage) defines["CHANNEL_COVERAGE"] = "1";

@@ -101,6 +101,8 @@ public:
     /// Sets the uniforms of common/lens_map.glsl, composite/layer.glsl and, but for those of the focus,
     /// effects/depth_of_field/gather_resolve.frag; takes texture units 1, 3, 9, 12 and 13.
     void set_layer(Program& program, const CompositeInput& input) const;
+    /// What composite/layer.glsl is compiled with.
+    static ShaderDefines layer_defines(const CompositeInput& input);
     /// From light to code values, with the spilled light.
     ResponsePicture add_response(RenderGraph& graph, const ResponseInput& input);
 

@@ -2,6 +2,8 @@
 // meet the plate.
 #pragma once
 
+#include <Eigen/Core>
+
 #include "render/graph.h"
 #include "render/surface.h"
 
@@ -15,6 +17,8 @@ struct VirtualLayer {
     SurfacePicture picture;                 // colour null where nothing is in view
     SurfacePicture hidden;                  // what the nearest surface hides; colour null unless asked for
     double fx = 0, fy = 0, cx = 0, cy = 0;  // of its own pixels, centres at whole numbers
+    int whole_density = 0;                  // of its pixels along a plate pixel where that is all of them, else 0
+    Eigen::Vector2i first_pixel{0, 0};      // then: the plate pixel in its corner
     const Texture2D* ways = nullptr;        // SurfaceRenderer::draw_ways; null unless motion is gathered
 };
 

@@ -19,7 +19,7 @@ constexpr int width = 64, height = 48;
 constexpr double half_step = 0x1p-11;
 constexpr double near_half = 2 * half_step;
 
-/// Plate pixels' edges are those of the layer's pixels, an eighth of four aside.
+/// Four layer pixels along a plate pixel's side, which share its edges.
 Quality card_quality() {
     Quality quality = quality_of(QualityLevel::draft);
     quality.supersampling = 4;
@@ -68,7 +68,7 @@ ImageF drawn_sharp(const ThinLensView& view) {
 /// Sides along x and y of a rectangle about the frame's middle, whose edges fall on layer pixels'.
 LensCard middle_card(int side_px, double depth_m, double light) {
     const int first_column = (width - side_px) / 2, first_row = (height - side_px) / 2;
-    const double left = first_column - 0.375, top = first_row - 0.375;
+    const double left = first_column - 0.5, top = first_row - 0.5;
     return {.left_px = left,
             .top_px = top,
             .right_px = left + side_px,

@@ -12,7 +12,7 @@
 namespace matchlight {
 namespace {
 
-/// Four layer pixels along a plate pixel's side: their edges lie an eighth beside those of plate pixels.
+/// Four layer pixels along a plate pixel's side, which share its edges.
 Quality fine_quality() {
     Quality quality = quality_of(QualityLevel::draft);
     quality.supersampling = 4;
@@ -66,16 +66,16 @@ TEST_F(DepthOfFieldTest, LensSamplesMakeDiscsOfTheCircleOfConfusion) {
                                 .height = 65,
                                 .focus = focus,
                                 .bokeh = {},
-                                .cards = {card({31.625, 31.625, 32.625, 32.625}, depth_m, {1000, 1000, 1000})}};
+                                .cards = {card({31.5, 31.5, 32.5, 32.5}, depth_m, {1000, 1000, 1000})}};
         const ImageF picture = drawn(view, lens_samples(256));
         const double light = sum_of(picture, 0);
         double x_px = 0, y_px = 0, variance = 0;
         for (int y = 0; y < 65; ++y) {
             for (int x = 0; x < 65; ++x) {
                 const double share = picture.at(x, y, 0) / light;
-                x_px += (x - 32.125) * share;
-                y_px += (y - 32.125) * share;
-                variance += ((x - 32.125) * (x - 32.125) + (y - 32.125) * (y - 32.125)) * share;
+                x_px += (x - 32.0) * share;
+                y_px += (y - 32.0) * share;
+                variance += ((x - 32.0) * (x - 32.0) + (y - 32.0) * (y - 32.0)) * share;
             }
         }
         // The light of the highlight's one pixel; each layer pixel is in the picture or not, a sixteenth of it.
@@ -97,7 +97,7 @@ TEST_F(DepthOfFieldTest, LensSamplesBlurAnEdgeAsTheLensDoes) {
                           .height = 33,
                           .focus = {.coc_scale_px_m = 10, .focus_distance_m = 1},
                           .bokeh = {},
-                          .cards = {card({-40.375, -40.375, 16.625, 72.625}, depth_m, {1, 0.5, 0.25})}};
+                          .cards = {card({-40.5, -40.5, 16.5, 72.5}, depth_m, {1, 0.5, 0.25})}};
         // Points along the edge move the picture by steps: 1/√N is a wide bound of what a column of them leaves.
         constexpr int samples = 256;
         EXPECT_LT(largest_error(drawn(view, lens_samples(samples)), thin_lens_light(view)), 0.6 / std::sqrt(samples))
@@ -108,13 +108,13 @@ TEST_F(DepthOfFieldTest, LensSamplesBlurAnEdgeAsTheLensDoes) {
 TEST_F(DepthOfFieldTest, LensSamplesSeeBehindWhatIsBlurred) {
     for (const BokehSettings& bokeh : {BokehSettings{}, BokehSettings{.blades = 5, .rotation_deg = 20}}) {
         // A red card before the focus, over a green one in focus that it hides in part, over a blue one far behind.
-        const ThinLensView view{.width = 33,
-                                .height = 33,
-                                .focus = {.coc_scale_px_m = 10, .focus_distance_m = 1},
-                                .bokeh = bokeh,
-                                .cards = {card({3.625, 3.625, 18.625, 29.625}, 0.5, {1, 0, 0}),
-                                          card({12.625, 7.625, 27.625, 24.625}, 1, {0, 1, 0}),
-                                          card({-40.375, -40.375, 21.625, 72.625}, 4, {0, 0, 1})}};
+        const ThinLensView view{
+            .width = 33,
+            .height = 33,
+            .focus = {.coc_scale_px_m = 10, .focus_distance_m = 1},
+            .bokeh = bokeh,
+            .cards = {card({3.5, 3.5, 18.5, 29.5}, 0.5, {1, 0, 0}), card({12.5, 7.5, 27.5, 24.5}, 1, {0, 1, 0}),
+                      card({-40.5, -40.5, 21.5, 72.5}, 4, {0, 0, 1})}};
         constexpr int samples = 256;
         EXPECT_LT(largest_error(drawn(view, lens_samples(samples)), thin_lens_light(view)), 0.6 / std::sqrt(samples));
     }

@@ -1,5 +1,5 @@
 #version 450 core
-// The classes over each other, from the nearest to the farthest, and what is sharp between them.
+// One class behind those nearer than it, or what is sharp. Links with effects/depth_of_field/gather_tile.vert.
 //
 // Coverages add up to 1, they do not multiply: two classes that meet within a pixel are mostly the two sides of one
 // surface, which leaves no gap; and where a near disc covers a part, what is behind it is there as a whole to fill the
@@ -7,71 +7,47 @@
 
 #include "common/graph.glsl"
 
-#ifndef CLASSES
-#define CLASSES 1
+// Plate pixels along a texel of the class; 0: what is sharp.
+#ifndef CLASS_SCALE
+#define CLASS_SCALE 1
 #endif
 
-uniform sampler2D before;           // of the passes before this one, in `light`
-uniform ivec4 before_region;
-uniform sampler2D before_required;
-uniform sampler2D sharp;            // gather_resolve.frag
-uniform ivec4 sharp_region;
-uniform int sharp_place;            // how many of this pass' classes are before what is sharp; −1: it is elsewhere
-uniform int is_last;
+flat in int is_last_of_tile;
 
-// A class: its light and the coverage that it requires, at `scale` plate pixels a texel.
-#define CLASS(N) \
-    uniform sampler2D class##N; \
-    uniform ivec4 class##N##_region; \
-    uniform int class##N##_scale; \
-    uniform sampler2D required##N;
-#if CLASSES > 0
-CLASS(0)
-#endif
-#if CLASSES > 1
-CLASS(1)
-#endif
-#if CLASSES > 2
-CLASS(2)
-#endif
-#if CLASSES > 3
-CLASS(3)
-#endif
+uniform sampler2D nearer;           // what the target holds
+uniform sampler2D nearer_required;
+uniform sampler2D light_behind;     // gather.frag, or `sharp` of gather_resolve.frag; reaches beyond the target
+uniform ivec4 light_behind_region;
+uniform sampler2D required_behind;
 
 layout(location = 0) out vec4 light;      // premultiplied; a = coverage
-layout(location = 1) out float required;
+layout(location = 1) out float required;  // coverage that the light is raised to, once all is in it
 
 // Rounding of a full coverage is none to correct.
 const float rounding = 1e-4;
 
-void add(vec4 next) {
-    float left = 1.0 - light.a;
-    light += next.a > left + rounding ? next * max(left, 0.0) / next.a : next;
+// Bilinear between texels; where they are the pixels themselves, those.
+vec4 at_pixel(sampler2D source) {
+#if CLASS_SCALE > 1
+    vec2 position = (vec2(target_texel()) + 0.5) / float(CLASS_SCALE) - 0.5;
+    ivec2 low = ivec2(floor(position));
+    vec2 t = position - vec2(low);
+    low -= light_behind_region.xy;
+    return mix(mix(texelFetch(source, low, 0), texelFetch(source, low + ivec2(1, 0), 0), t.x),
+               mix(texelFetch(source, low + ivec2(0, 1), 0), texelFetch(source, low + ivec2(1, 1), 0), t.x), t.y);
+#else
+    return texelFetch(source, target_texel() - light_behind_region.xy, 0);
+#endif
 }
 
-#define ADD(N) \
-    if (sharp_place == N) add(fetch_or_zero(sharp, sharp_region, target_texel())); \
-    { \
-        vec2 position = (vec2(target_texel()) + 0.5) / float(class##N##_scale) - 0.5; \
-        add(linear_or_zero(class##N, class##N##_region, position)); \
-        required = max(required, linear_or_zero(required##N, class##N##_region, position).r); \
-    }
-
 void main() {
-    light = fetch_or_zero(before, before_region, target_texel());
-    required = fetch_or_zero(before_required, before_region, target_texel()).r;
-#if CLASSES > 0
-    ADD(0)
+    light = texelFetch(nearer, ivec2(gl_FragCoord.xy), 0);
+    required = texelFetch(nearer_required, ivec2(gl_FragCoord.xy), 0).r;
+    vec4 behind = at_pixel(light_behind);
+    float left = 1.0 - light.a;
+    light += behind.a > left + rounding ? behind * max(left, 0.0) / behind.a : behind;
+#if CLASS_SCALE > 0
+    required = max(required, at_pixel(required_behind).r);
 #endif
-#if CLASSES > 1
-    ADD(1)
-#endif
-#if CLASSES > 2
-    ADD(2)
-#endif
-#if CLASSES > 3
-    ADD(3)
-#endif
-    if (sharp_place == CLASSES) add(fetch_or_zero(sharp, sharp_region, target_texel()));
-    if (is_last != 0 && light.a > 0.0 && light.a < required) light *= required / light.a;
+    if (is_last_of_tile != 0 && light.a > 0.0 && light.a < required) light *= required / light.a;
 }

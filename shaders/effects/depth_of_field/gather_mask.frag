@@ -17,8 +17,8 @@ void main() {
     uint found = 0u;
     for (int y = first.y; y <= last.y; ++y) {
         for (int x = first.x; x <= last.x; ++x) {
-            vec3 seen = texelFetch(circles, ivec2(x, y), 0).rgb;
-            if (seen.b > 0.0) found |= bit_of(0);
+            vec4 seen = texelFetch(circles, ivec2(x, y), 0);
+            if (seen.a > 0.0) found |= bit_of(0);
             if (seen.r != 0.0) found |= bit_of(class_of(seen.r));
             if (seen.g != 0.0) found |= bit_of(class_of(seen.g));
         }

@@ -1,11 +1,12 @@
 #version 450 core
-// Which classes of circles reach a tile from anywhere.
+// Which classes of circles reach a tile along one axis: both axes in turn make the square around it.
 
 #include "common/graph.glsl"
 #include "effects/depth_of_field/circles.glsl"
 
-uniform sampler2D classes;      // gather_mask.frag
+uniform sampler2D classes;      // gather_mask.frag, or what reaches along the other axis
 uniform ivec4 classes_region;
+uniform ivec2 axis;             // (1, 0) or (0, 1)
 uniform int tile_px;
 uniform int farthest_tiles;     // of the widest class
 uniform float first_reach_px;   // of the narrowest class; each reaches twice as far as the one before
@@ -13,21 +14,17 @@ uniform float first_reach_px;   // of the narrowest class; each reaches twice as
 layout(location = 0) out float reached;
 
 void main() {
-    ivec2 tile = target_texel();
-    ivec2 place = tile - classes_region.xy;
-    ivec2 first = max(place - farthest_tiles, ivec2(0));
-    ivec2 last = min(place + farthest_tiles, classes_region.zw - 1);
+    ivec2 place = target_texel() - classes_region.xy;
+    int along = axis.x * place.x + axis.y * place.y;
+    int last = axis.x * classes_region.z + axis.y * classes_region.w - 1;
     uint found = 0u;
-    for (int y = first.y; y <= last.y; ++y) {
-        for (int x = first.x; x <= last.x; ++x) {
-            uint there = uint(texelFetch(classes, ivec2(x, y), 0).r);
-            ivec2 steps = abs(ivec2(x, y) - place);
-            // From edge to edge. The classes that reach so far are the outermost bits on both sides.
-            float apart_px = float(max(max(steps.x, steps.y) - 1, 0) * tile_px);
-            int narrowest = 1 + max(int(ceil(log2(apart_px / first_reach_px))), 0);
-            uint wide = (1u << max(class_count - narrowest + 1, 0)) - 1u;
-            found |= there & (apart_px > 0.0 ? wide | (wide << (class_count + narrowest)) : ~0u);
-        }
+    for (int step = -min(farthest_tiles, along); step <= min(farthest_tiles, last - along); ++step) {
+        uint there = uint(texelFetch(classes, place + step * axis, 0).r);
+        // From edge to edge. The classes that reach so far are the outermost bits on both sides.
+        float apart_px = float(max(abs(step) - 1, 0) * tile_px);
+        int narrowest = 1 + max(int(ceil(log2(apart_px / first_reach_px))), 0);
+        uint wide = (1u << max(class_count - narrowest + 1, 0)) - 1u;
+        found |= there & (step == 0 ? ~0u : apart_px > 0.0 ? wide | (wide << (class_count + narrowest)) : ~bit_of(0));
     }
     reached = float(found);
 }

@@ -20,13 +20,14 @@ layout(location = 0) out vec4 sharp;    // premultiplied light and coverage, eac
 layout(location = 1) out vec4 front;
 layout(location = 2) out vec4 back;     // behind the front one, seen or hidden
 layout(location = 3) out vec4 circles;  // signed diameters in plate pixels of front and back, 0 where there is none; b:
-                                        // coverage of all that is seen
+                                        // coverage of all that is seen; a: 1 where something is sharp
 
 // Diameter in plate pixels, negative before the focus (calibration/thin_lens.h).
 float signed_coc_px(float depth_share) {
     return clamp(coc_scale_px_m * (focus_per_m - depth_share / near_m), -largest_coc_px, largest_coc_px);
 }
 
+#if LAYER_DENSITY == 0
 // As normalized_from_pixel; beyond the frame the lens goes on straight.
 vec2 normalized_beyond(vec2 pixel, vec2 inside) {
     vec2 normalized = normalized_from_pixel(inside);
@@ -36,6 +37,7 @@ vec2 normalized_beyond(vec2 pixel, vec2 inside) {
     vec2 beyond = pixel - inside;
     return normalized + beyond.x * along_x + beyond.y * along_y;
 }
+#endif
 
 // A mean circle as the lens magnifies it: never so narrow that it would count as sharp after all.
 float drawn_circle(float widths, float weights, float magnification) {
@@ -44,78 +46,102 @@ float drawn_circle(float widths, float weights, float magnification) {
     return sign(width) * max(abs(width) * magnification, least_coc_px);
 }
 
+// Sums over the plate pixel; of the circles x of front, y of back.
+vec2 widths = vec2(0.0), weights = vec2(0.0);
+vec4 hidden_sharp = vec4(0.0);
+float coverage = 0.0;
+
+// Adds a layer pixel, of which the plate pixel takes `share`; from circles of `between` px on it is behind.
+void add_layer_pixel(ivec2 texel, float share, float depth_share, float between) {
+    vec4 seen = share * texelFetch(layer, texel, 0);
+    coverage += seen.a;
+    float coc_px = signed_coc_px(depth_share);
+    // Without a depth it is a surface that lets light through, over nothing else.
+    if (depth_share == 0.0 || is_sharp(coc_px)) {
+        sharp += seen;
+    } else if (coc_px <= between) {
+        front += seen;
+        widths.x += share * coc_px;
+        weights.x += share;
+    } else {
+        back += seen;
+        widths.y += share * coc_px;
+        weights.y += share;
+    }
+#ifdef HIDDEN
+    float hidden_share = texelFetch(hidden_depth_share, texel, 0).r;
+    float hidden_px = signed_coc_px(hidden_share);
+    // What blurs as the surface before it would count twice together with it.
+    if (hidden_share == 0.0 || class_of(hidden_px) == class_of(coc_px)) return;
+    vec4 hidden = share * texelFetch(hidden_layer, texel, 0);
+    if (is_sharp(hidden_px)) {
+        hidden_sharp += hidden;
+    } else {
+        back += hidden;
+        widths.y += share * hidden_px;
+        weights.y += share;
+    }
+#endif
+}
+
+// The least and the greatest circle of what has a depth.
+void extend(inout vec2 range, float depth_share) {
+    if (depth_share == 0.0) return;
+    float coc_px = signed_coc_px(depth_share);
+    range = vec2(min(range.x, coc_px), max(range.y, coc_px));
+}
+
+// Two surfaces meet in the pixel where circles differ by more than one surface's would.
+float between_surfaces(vec2 range) { return range.y - range.x > 1.0 ? 0.5 * (range.x + range.y) : largest_coc_px; }
+
 void main() {
-    vec2 pixel = vec2(target_texel());
     sharp = front = back = circles = vec4(0.0);
+    if (layer_present == 0) return;
+    vec2 range = vec2(largest_coc_px, -largest_coc_px);
+#if LAYER_DENSITY > 0
+    ivec2 first = (target_texel() - layer_first_pixel) * LAYER_DENSITY;
+    if (any(lessThan(first, ivec2(0))) || any(greaterThanEqual(first, layer_size))) return;
+    const int count = LAYER_DENSITY * LAYER_DENSITY;
+    float depth_shares[count];
+    for (int i = 0; i < count; ++i) {
+        depth_shares[i] = texelFetch(layer_depth_share, first + ivec2(i % LAYER_DENSITY, i / LAYER_DENSITY), 0).r;
+        extend(range, depth_shares[i]);
+    }
+    float between = between_surfaces(range);
+    for (int i = 0; i < count; ++i)
+        add_layer_pixel(first + ivec2(i % LAYER_DENSITY, i / LAYER_DENSITY), 1.0, depth_shares[i], between);
+    float whole = float(count);
+#else
+    vec2 pixel = vec2(target_texel());
     vec2 inside = clamp(pixel, vec2(0.0), frame_px - 1.0);
     vec2 normalized = normalized_beyond(pixel, inside);
-    if (any(isnan(normalized)) || layer_present == 0) return;
+    if (any(isnan(normalized))) return;
     vec2 footprint = layer_footprint(inside, normalized_from_pixel(inside));
     vec2 centre = layer_position(normalized);
     vec2 low = centre - 0.5 * footprint;
     vec2 high = centre + 0.5 * footprint;
     ivec2 first = max(ivec2(floor(low)), ivec2(0));
     ivec2 last = min(ivec2(ceil(high)), layer_size) - 1;
-
-    float nearest = largest_coc_px, farthest = -largest_coc_px;
-    for (int y = first.y; y <= last.y; ++y) {
-        for (int x = first.x; x <= last.x; ++x) {
-            float depth_share = texelFetch(layer_depth_share, ivec2(x, y), 0).r;
-            if (depth_share == 0.0) continue;
-            float coc_px = signed_coc_px(depth_share);
-            nearest = min(nearest, coc_px);
-            farthest = max(farthest, coc_px);
-        }
-    }
-    // Two surfaces meet in the pixel where circles differ by more than one surface's would.
-    float between = farthest - nearest > 1.0 ? 0.5 * (nearest + farthest) : largest_coc_px;
-    vec2 widths = vec2(0.0), weights = vec2(0.0);
-    vec4 hidden_sharp = vec4(0.0);
-    float coverage = 0.0;
+    for (int y = first.y; y <= last.y; ++y)
+        for (int x = first.x; x <= last.x; ++x) extend(range, texelFetch(layer_depth_share, ivec2(x, y), 0).r);
+    float between = between_surfaces(range);
     for (int y = first.y; y <= last.y; ++y) {
         float height = min(high.y, float(y + 1)) - max(low.y, float(y));
         for (int x = first.x; x <= last.x; ++x) {
             float width = min(high.x, float(x + 1)) - max(low.x, float(x));
-            vec4 seen = texelFetch(layer, ivec2(x, y), 0);
-            coverage += width * height * seen.a;
             float depth_share = texelFetch(layer_depth_share, ivec2(x, y), 0).r;
-            float coc_px = signed_coc_px(depth_share);
-            // Without a depth it is a surface that lets light through, over nothing else.
-            if (depth_share == 0.0 || is_sharp(coc_px)) {
-                sharp += width * height * seen;
-            } else if (coc_px <= between) {
-                front += width * height * seen;
-                widths.x += width * height * coc_px;
-                weights.x += width * height;
-            } else {
-                back += width * height * seen;
-                widths.y += width * height * coc_px;
-                weights.y += width * height;
-            }
-#ifdef HIDDEN
-            float hidden_share = texelFetch(hidden_depth_share, ivec2(x, y), 0).r;
-            float hidden_px = signed_coc_px(hidden_share);
-            // What blurs as the surface before it would count twice together with it.
-            if (hidden_share == 0.0 || class_of(hidden_px) == class_of(coc_px)) continue;
-            vec4 hidden = width * height * texelFetch(hidden_layer, ivec2(x, y), 0);
-            if (is_sharp(hidden_px)) {
-                hidden_sharp += hidden;
-            } else {
-                back += hidden;
-                widths.y += width * height * hidden_px;
-                weights.y += width * height;
-            }
-#endif
+            add_layer_pixel(ivec2(x, y), width * height, depth_share, between);
         }
     }
+    float whole = footprint.x * footprint.y;
+#endif
     // Where a surface comes into focus within the pixel, what is behind it would take the place of its sharp part.
     if (sharp.a == 0.0) sharp += hidden_sharp;
-    float whole = footprint.x * footprint.y;
     sharp /= whole;
     front /= whole;
     back /= whole;
     // Where the lens magnifies, discs are as much larger.
     float magnification = layer_density / sqrt(whole);
     circles = vec4(drawn_circle(widths.x, weights.x, magnification), drawn_circle(widths.y, weights.y, magnification),
-                   coverage / whole, 0.0);
+                   coverage / whole, sharp == vec4(0.0) ? 0.0 : 1.0);
 }

@@ -9,7 +9,11 @@ uniform sampler2D back;
 uniform sampler2D circles;
 uniform ivec4 circles_region;
 uniform int own_class;
+#ifdef TEXEL_PX
+const int texel_px = TEXEL_PX;
+#else
 uniform int texel_px;           // plate pixels along a texel
+#endif
 uniform sampler2D kernels;      // R: radius of the drawn disc, G: 1 / its texels; by the circle's radius in texels
 uniform float kernel_step;      // texels from entry to entry
 uniform int kernel_row;
@@ -20,22 +24,21 @@ layout(location = 1) out vec2 disc;         // r: radius of the disc in texels, 
 
 void main() {
     ivec2 corner = target_texel() * texel_px - circles_region.xy;
-    ivec2 first = max(corner, ivec2(0));
-    ivec2 last = min(corner + texel_px, circles_region.zw) - 1;
     vec4 sum = vec4(0.0);
     float coverage = 0.0, widths = 0.0, weights = 0.0;
-    for (int y = first.y; y <= last.y; ++y) {
-        for (int x = first.x; x <= last.x; ++x) {
-            vec3 seen = texelFetch(circles, ivec2(x, y), 0).rgb;
+    for (int y = 0; y < texel_px; ++y) {
+        for (int x = 0; x < texel_px; ++x) {
+            ivec2 pixel = corner + ivec2(x, y);
+            vec3 seen = fetch_or_zero(circles, ivec4(0, 0, circles_region.zw), pixel).rgb;
             coverage += seen.b;
             if (seen.r != 0.0 && class_of(seen.r) == own_class) {
-                vec4 light = texelFetch(front, ivec2(x, y), 0);
+                vec4 light = texelFetch(front, pixel, 0);
                 sum += light;
                 widths += light.a * abs(seen.r);
                 weights += light.a;
             }
             if (seen.g != 0.0 && class_of(seen.g) == own_class) {
-                vec4 light = texelFetch(back, ivec2(x, y), 0);
+                vec4 light = texelFetch(back, pixel, 0);
                 sum += light;
                 widths += light.a * abs(seen.g);
                 weights += light.a;

@@ -17,7 +17,6 @@ namespace {
 
 constexpr int mask_tile_px = 16;
 constexpr int tile_texels = 8;
-constexpr std::size_t most_classes_a_pass = 4;  // gather_combine.frag
 /// After those of any pass.
 constexpr GLuint tile_unit = 15;
 constexpr double disc_step_texels = 1.0 / 16;
@@ -39,6 +38,7 @@ double widest_disc_texels(const GatherKnobs& knobs) {
 
 struct ClassPicture {
     GraphTexture light, required;
+    int own_class = 0;
     int scale = 1;
 };
 
@@ -52,7 +52,7 @@ void GatherKnobs::check() const {
 GatherKnobs gather_knobs(QualityLevel quality) {
     switch (quality) {
         case QualityLevel::draft:
-            return {.first_class_px = 6, .hidden = false};
+            return {.first_class_px = 4, .hidden = false};
         case QualityLevel::preview:
             return {.first_class_px = 10, .hidden = true};
         case QualityLevel::reference:
@@ -113,7 +113,7 @@ private:
              .region = spread,
              .beyond_frame = true,
              .draw = [this_ = *this](PassRun& run) {
-                 ShaderDefines defines;
+                 ShaderDefines defines = this_.input_.layer_defines;
                  if (this_.knobs_.hidden) defines["HIDDEN"] = "1";
                  Program& program = this_.shaders_.full_screen("effects/depth_of_field/gather_resolve.frag", defines);
                  program.use();
@@ -137,43 +137,41 @@ private:
     /// Which classes each tile shows, and which reach it.
     void add_tiles() {
         const Region tiles = texels_of(graph_.shape(circles_).region, mask_tile_px);
-        const GraphTexture shown = graph_.add_pass({.name = "defocus/mask",
-                                                    .reads = {{circles_}},
-                                                    .writes = {GL_R32F},
-                                                    .scale = mask_tile_px,
-                                                    .region = tiles,
-                                                    .beyond_frame = true,
-                                                    .draw = [this_ = *this](PassRun& run) {
-                                                        Program& program = this_.shaders_.full_screen(
-                                                            "effects/depth_of_field/gather_mask.frag");
-                                                        program.use();
-                                                        run.bind(program, "circles", 0, this_.circles_);
-                                                        this_.set_classes(program);
-                                                        program.set("tile_px", mask_tile_px);
-                                                        run.draw(program);
-                                                    }})[0];
-        reached_ =
-            graph_.add_pass({.name = "defocus/reach",
-                             .reads = {{shown}},
-                             .writes = {GL_R32F},
-                             .scale = mask_tile_px,
-                             .region = tiles,
-                             .beyond_frame = true,
-                             .draw = [this_ = *this, shown](PassRun& run) {
-                                 Program& program =
-                                     this_.shaders_.full_screen("effects/depth_of_field/gather_reach.frag");
-                                 program.use();
-                                 run.bind(program, "classes", 0, shown);
-                                 this_.set_classes(program);
-                                 program.set("tile_px", mask_tile_px);
-                                 program.set("first_reach_px", static_cast<double>(this_.reach_px(1)));
-                                 program.set("farthest_tiles", this_.reach_px(this_.class_count_) / mask_tile_px + 1);
-                                 run.draw(program);
-                             }})[0];
+        const auto add_tile_pass = [&](const char* name, GraphTexture source, std::function<void(PassRun&)> draw) {
+            return graph_.add_pass({.name = name,
+                                    .reads = {{source}},
+                                    .writes = {GL_R32F},
+                                    .scale = mask_tile_px,
+                                    .region = tiles,
+                                    .beyond_frame = true,
+                                    .draw = std::move(draw)})[0];
+        };
+        reached_ = add_tile_pass("defocus/mask", circles_, [this_ = *this](PassRun& run) {
+            Program& program = this_.shaders_.full_screen("effects/depth_of_field/gather_mask.frag");
+            program.use();
+            run.bind(program, "circles", 0, this_.circles_);
+            this_.set_classes(program);
+            program.set("tile_px", mask_tile_px);
+            run.draw(program);
+        });
+        if (class_count_ == 0) return;
+        for (const Eigen::Vector2i& axis : {Eigen::Vector2i(1, 0), Eigen::Vector2i(0, 1)}) {
+            reached_ = add_tile_pass("defocus/reach", reached_, [this_ = *this, source = reached_, axis](PassRun& run) {
+                Program& program = this_.shaders_.full_screen("effects/depth_of_field/gather_reach.frag");
+                program.use();
+                run.bind(program, "classes", 0, source);
+                this_.set_classes(program);
+                program.set("axis", axis);
+                program.set("tile_px", mask_tile_px);
+                program.set("first_reach_px", static_cast<double>(this_.reach_px(1)));
+                program.set("farthest_tiles", this_.reach_px(this_.class_count_) / mask_tile_px + 1);
+                run.draw(program);
+            });
+        }
     }
 
-    /// Draws where one of the classes reaches; the rest is zero.
-    void draw_reached(PassRun& run, const std::string& fragment_file, const ShaderDefines& defines, unsigned bits,
+    /// Draws where the class reaches, and nothing elsewhere.
+    void draw_reached(PassRun& run, const std::string& fragment_file, const ShaderDefines& defines, int own_class,
                       const std::function<void(Program&)>& set) const {
         // Tiles of whole texels, or, of coarser ones, everything: there is little of it.
         const bool by_tiles = run.scale() <= mask_tile_px;
@@ -185,7 +183,7 @@ private:
         set(program);
         if (!by_tiles) return run.draw(program);
         run.bind(program, "reached", tile_unit, reached_);
-        program.set("wanted_bits", bits);
+        program.set("wanted_bit", 1U << static_cast<unsigned>(own_class + class_count_));
         program.set("quad_texels", mask_tile_px / run.scale());
         const Region& tiles = graph_.shape(reached_).region;
         run.draw_quads(program, tiles.width * tiles.height);
@@ -193,7 +191,6 @@ private:
     static void clear(const PassRun& run, int targets) {
         for (int i = 0; i < targets; ++i) run.target().clear_color(i, 0, 0, 0, 0);
     }
-    unsigned bit_of(int own_class) const { return 1U << static_cast<unsigned>(own_class + class_count_); }
 
     ClassPicture add_class(int own_class) {
         const int texel_px = texel_px_of(own_class);
@@ -210,7 +207,11 @@ private:
              .beyond_frame = true,
              .draw = [this_ = *this, own_class, texel_px](PassRun& run) {
                  clear(run, 2);
-                 this_.draw_reached(run, "effects/depth_of_field/gather_sort.frag", {}, this_.bit_of(own_class),
+                 // As a constant where loops over it are short enough to be unrolled.
+                 constexpr int longest_unrolled = 4;
+                 ShaderDefines defines;
+                 if (texel_px <= longest_unrolled) defines["TEXEL_PX"] = fmt::format("{}", texel_px);
+                 this_.draw_reached(run, "effects/depth_of_field/gather_sort.frag", defines, own_class,
                                     [&](Program& program) {
                                         run.bind(program, "front", 0, this_.front_);
                                         run.bind(program, "back", 1, this_.back_);
@@ -253,8 +254,7 @@ private:
              .draw = [this_ = *this, own_class, light_share = sorted[0], discs, widest, taps](PassRun& run) {
                  clear(run, 2);
                  this_.draw_reached(run, "effects/depth_of_field/gather.frag",
-                                    {{"TAPS", fmt::format("{}", taps.size())}}, this_.bit_of(own_class),
-                                    [&](Program& program) {
+                                    {{"TAPS", fmt::format("{}", taps.size())}}, own_class, [&](Program& program) {
                                         run.bind(program, "light_share", 0, light_share);
                                         run.bind(program, "discs", 1, discs);
                                         run.bind(program, "widest", 2, widest);
@@ -263,51 +263,33 @@ private:
                                         program.set("taps", std::span<const Eigen::Vector4f>(taps));
                                     });
              }});
-        return {gathered[0], gathered[1], texel_px};
+        return {gathered[0], gathered[1], own_class, texel_px};
     }
 
-    /// As many classes a pass as every driver has texture units for.
+    /// Each class over those behind it, from the nearest to the farthest, in the tiles that it reaches.
     GraphTexture add_composition(const std::vector<ClassPicture>& before, const std::vector<ClassPicture>& beyond) {
         std::vector<ClassPicture> all = before;
+        all.push_back({.light = sharp_, .required = {}, .own_class = 0, .scale = 0});
         all.insert(all.end(), beyond.begin(), beyond.end());
-        std::vector<GraphTexture> sum(2);
-        bool sharp_done = false;
-        std::size_t first = 0;
-        do {
-            const std::size_t count = std::min(most_classes_a_pass, all.size() - first);
-            const std::vector<ClassPicture> classes(all.begin() + static_cast<std::ptrdiff_t>(first),
-                                                    all.begin() + static_cast<std::ptrdiff_t>(first + count));
-            int sharp_place = -1;
-            if (!sharp_done && before.size() <= first + count) {
-                sharp_place = static_cast<int>(before.size() - first);
-                sharp_done = true;
-            }
-            first += count;
-            GraphPass pass{.name = fmt::format("defocus/over {}", first),
-                           .reads = {{sharp_}, {reached_}, {sum[0]}, {sum[1]}},
-                           .writes = {GL_RGBA32F, GL_R16F},
-                           .region = input_.region};
-            for (const ClassPicture& one : classes) pass.reads.insert(pass.reads.end(), {{one.light}, {one.required}});
-            pass.draw = [this_ = *this, sum, classes, sharp_place, is_last = first == all.size()](PassRun& run) {
-                clear(run, 2);
-                constexpr unsigned any = ~0U;
+        GraphPass pass{
+            .name = "defocus/over", .reads = {{reached_}}, .writes = {GL_RGBA32F, GL_R16F}, .region = input_.region};
+        for (const ClassPicture& one : all) pass.reads.insert(pass.reads.end(), {{one.light}, {one.required}});
+        pass.draw = [this_ = *this, all](PassRun& run) {
+            clear(run, 2);
+            for (const ClassPicture& one : all) {
+                // Each class reads in its place what those before it wrote there.
+                glTextureBarrier();
                 this_.draw_reached(run, "effects/depth_of_field/gather_combine.frag",
-                                   {{"CLASSES", fmt::format("{}", classes.size())}}, any, [&](Program& program) {
-                                       run.bind(program, "before", 0, sum[0]);
-                                       run.bind(program, "before_required", 1, sum[1]);
-                                       run.bind(program, "sharp", 2, this_.sharp_);
-                                       program.set("sharp_place", sharp_place);
-                                       program.set("is_last", is_last);
-                                       GLuint unit = 3;
-                                       for (std::size_t i = 0; i < classes.size(); ++i) {
-                                           run.bind(program, fmt::format("class{}", i), unit++, classes[i].light);
-                                           run.bind(program, fmt::format("required{}", i), unit++, classes[i].required);
-                                       }
+                                   {{"CLASS_SCALE", fmt::format("{}", one.scale)}}, one.own_class,
+                                   [&](Program& program) {
+                                       program.bind_texture("nearer", 0, run.written(0));
+                                       program.bind_texture("nearer_required", 1, run.written(1));
+                                       run.bind(program, "light_behind", 2, one.light);
+                                       run.bind(program, "required_behind", 3, one.required);
                                    });
-            };
-            sum = graph_.add_pass(std::move(pass));
-        } while (first < all.size() || !sharp_done);
-        return sum[0];
+            }
+        };
+        return graph_.add_pass(std::move(pass))[0];
     }
 
     static Region texels_of(const Region& pixels, int texel_px) {

@@ -35,6 +35,7 @@ struct GatherInput {
     GraphTexture layer_drawn;                  // what the layer's pass provides
     std::function<void(Program&)> bind_layer;  // uniforms of common/lens_map.glsl, composite/layer.glsl and
                                                // effects/depth_of_field/gather_resolve.frag but for those of the focus
+    ShaderDefines layer_defines;               // of composite/layer.glsl
     Region region;                             // plate pixels that the blurred layer can reach
     double layer_density = 1;                  // layer pixels along a plate pixel
     Focus focus;
