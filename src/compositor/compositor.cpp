@@ -308,6 +308,7 @@ std::optional<FrameDefocus> Compositor::Impl::defocus_of(const SolvedFrame& fram
     const std::optional<double> autofocus_m = scene_focus.depth_m(*defocus, *frame.camera_from_world, warnings);
     optics.focus = focus_of_frame(*defocus, solve, frame, autofocus_m, warnings);
     const std::vector<ObjectFocus> apart = scene_focus.apart(defocus->level, warnings);
+    const FrameView view{*frame.camera_from_world, lens_map.normalized_bounds, solve.camera.fx};
     CocRange range;
     for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
         const Eigen::AlignedBox3d box_m = surfaces.object_bounds_m(i);
@@ -317,7 +318,7 @@ std::optional<FrameDefocus> Compositor::Impl::defocus_of(const SolvedFrame& fram
             if (!own->distance_m) continue;
             focus.focus_distance_m = *own->distance_m;
         }
-        range.extend(coc_range_of_box(focus, box_m, *frame.camera_from_world));
+        range.extend(coc_range_of_box(focus, box_m, view));
     }
     if (range.is_sharp() && options.leave_out) return std::nullopt;
     return FrameDefocus{*defocus, range, apart};

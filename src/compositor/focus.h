@@ -21,8 +21,16 @@ namespace matchlight {
 Focus focus_of_frame(const DepthOfFieldSettings& settings, const Solve& solve, const SolvedFrame& frame,
                      std::optional<double> focused_depth_m, Warnings& warnings);
 
-/// Signed circles of confusion of a box in world axes; depths before the near plane count as there.
-CocRange coc_range_of_box(const Focus& focus, const Eigen::AlignedBox3d& box_world_m,
-                          const RigidTransform& camera_from_world);
+/// What of the world a frame shows.
+struct FrameView {
+    RigidTransform camera_from_world = RigidTransform::Identity();
+    Eigen::AlignedBox2d normalized;  // camera coordinates (x/z, y/z) of the whole frame
+    double focal_px = 0;
+};
+
+/// Signed circles of confusion of that part of a box in world axes whose light can reach the frame through the lens:
+/// what stands beside the camera may be closer than anything in the picture. Depths before the near plane count as
+/// there.
+CocRange coc_range_of_box(const Focus& focus, const Eigen::AlignedBox3d& box_world_m, const FrameView& view);
 
 }  // namespace matchlight

@@ -144,7 +144,7 @@ DepthOfFieldSettings with_widest_circle(const SceneStage& stage, Compositor& com
         const Eigen::AlignedBox3d box_m = surfaces.object_bounds_m(i);
         if (normalized_bounds_of_box(box_m, camera_from_world, lens_map).isEmpty()) continue;
         range.extend(coc_range_of_box({.coc_scale_px_m = 1, .focus_distance_m = *settings.focus_distance_m}, box_m,
-                                      camera_from_world));
+                                      {camera_from_world, lens_map.normalized_bounds, stage.solve.camera.fx}));
     }
     if (range.widest_px() > 0) settings.coc_scale_px_m = widest_px / range.widest_px();
     return settings;

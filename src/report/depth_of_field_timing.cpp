@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compositor/focus.h"
+#include "compositor/lens_map.h"
 #include "compositor/quality.h"
 #include "core/error.h"
 #include "core/stop.h"
@@ -65,9 +66,11 @@ DepthOfFieldStudyRow paired(Compositor& compositor, const EffectSettings& withou
 double widest_coc_px(const SceneStage& stage, Compositor& compositor, const DepthOfFieldSettings& settings) {
     const SolvedFrame& frame = stage.solved();
     const Focus focus = focus_of_frame(settings, stage.solve, frame, {}, stage.warnings);
+    const FrameView view{*frame.camera_from_world, make_lens_map(stage.solve.camera).normalized_bounds,
+                         stage.solve.camera.fx};
     CocRange range;
     for (std::size_t i = 0; i < compositor.surfaces().object_count(); ++i) {
-        range.extend(coc_range_of_box(focus, compositor.surfaces().object_bounds_m(i), *frame.camera_from_world));
+        range.extend(coc_range_of_box(focus, compositor.surfaces().object_bounds_m(i), view));
     }
     return range.widest_px();
 }
