@@ -321,7 +321,7 @@ std::optional<FrameDefocus> Compositor::Impl::defocus_of(const SolvedFrame& fram
         range.extend(coc_range_of_box(focus, box_m, view));
     }
     if (range.is_sharp() && options.leave_out) return std::nullopt;
-    return FrameDefocus{*defocus, range, apart};
+    return FrameDefocus{*defocus, range, apart, quality.depth_of_field};
 }
 
 void Compositor::Impl::plan_sensor(FramePlan& plan) {

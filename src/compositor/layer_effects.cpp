@@ -64,6 +64,7 @@ double LayerEffectPlan::lens_spread_px() const {
             // On coarser texels, or without an edge: four standard deviations of the disc.
             return widest_px + of_motion;
         case DepthOfFieldLevel::gather:
+            return gathered_reach_px(widest_px, gather_knobs(defocus->quality)) + of_motion;
         case DepthOfFieldLevel::two_pass:
         case DepthOfFieldLevel::one_pass:
         case DepthOfFieldLevel::lens_samples:

@@ -30,6 +30,7 @@ struct FrameDefocus {
     DepthOfFieldSettings settings;
     CocRange objects;                  // over all objects in view
     std::vector<ObjectFocus> apart{};  // objects with a focus of their own
+    QualityLevel quality = QualityLevel::final_;
 };
 
 /// What moves while a frame's shutter is open.

@@ -40,6 +40,8 @@ bool promises_energy(DepthOfFieldLevel level) {
     return level == DepthOfFieldLevel::gather || level == DepthOfFieldLevel::lens_samples;
 }
 
+constexpr Bound kept{0.999, 1.001};
+
 double sum_of(const ImageF& picture, int channel) {
     double sum = 0;
     for (int y = 0; y < picture.height(); ++y) {
@@ -66,8 +68,8 @@ ImageF drawn_sharp(const ThinLensView& view) {
 }
 
 /// Sides along x and y of a rectangle about the frame's middle, whose edges fall on layer pixels'.
-LensCard middle_card(int side_px, double depth_m, double light) {
-    const int first_column = (width - side_px) / 2, first_row = (height - side_px) / 2;
+LensCard middle_card(int side_px, int frame_width, int frame_height, double depth_m, double light) {
+    const int first_column = (frame_width - side_px) / 2, first_row = (frame_height - side_px) / 2;
     const double left = first_column - 0.5, top = first_row - 0.5;
     return {.left_px = left,
             .top_px = top,
@@ -75,6 +77,10 @@ LensCard middle_card(int side_px, double depth_m, double light) {
             .bottom_px = top + side_px,
             .depth_m = depth_m,
             .light = {light, light, light, 1}};
+}
+
+LensCard middle_card(int side_px, double depth_m, double light) {
+    return middle_card(side_px, width, height, depth_m, light);
 }
 
 struct LensCase {
@@ -113,8 +119,7 @@ StabilityCase lens_case(const std::string& effect, DepthOfFieldLevel level, cons
                        .bound = {tried.stays_in_frame ? 1e-9 : 0, 1 + near_half},
                        .energy = {},
                        .run = {}};
-    // Half floats lose up to 2^-10 of each texel twice: some drivers cut instead of rounding.
-    if (tried.stays_in_frame && promises_energy(level)) made.energy = Bound{0.998, 1.002};
+    if (tried.stays_in_frame && promises_energy(level)) made.energy = kept;
     made.run = [level, view = tried.view, stays = tried.stays_in_frame] {
         const ImageF sharp = drawn_sharp(view), blurred = drawn(view, level);
         StabilityOutcome outcome{.value = largest_of(blurred) / largest_of(sharp)};
@@ -122,6 +127,36 @@ StabilityCase lens_case(const std::string& effect, DepthOfFieldLevel level, cons
         return outcome;
     };
     return made;
+}
+
+/// Cards whose circles lie on both sides of where the gather takes coarser texels, and in between: half a pixel to 64.
+StabilityCase widths_case(const std::string& effect, DepthOfFieldLevel level, int side_px, double light) {
+    return {.effect = effect,
+            .name = fmt::format("{} px of {:g}, circles from 0.5 px to 64 px", side_px, light),
+            .measure = "share of the light that is kept, where it is farthest from all",
+            .bound = kept,
+            .energy = {},
+            .run = [level, side_px, light] {
+                // Wide enough for the widest circle on the coarsest texels.
+                constexpr int frame_px = 128;
+                constexpr double scale_px_m = 200;
+                double farthest = 1;
+                for (const double coc_px : {0.5, 2.0, 7.0, 15.9, 16.1, 31.9, 32.1, 45.0, 63.9}) {
+                    for (const double side : {-1.0, 1.0}) {
+                        ThinLensView view{.width = frame_px,
+                                          .height = frame_px,
+                                          .focus = {.coc_scale_px_m = scale_px_m, .focus_distance_m = 1},
+                                          .bokeh = {},
+                                          .cards = {}};
+                        view.cards = {
+                            middle_card(side_px, frame_px, frame_px, 1 / (1 - side * coc_px / scale_px_m), light)};
+                        const double share = sum_of(drawn(view, level), 0) / sum_of(drawn_sharp(view), 0);
+                        if (!std::isfinite(share)) return StabilityOutcome{.value = share};
+                        if (std::abs(share - 1) > std::abs(farthest - 1)) farthest = share;
+                    }
+                }
+                return StabilityOutcome{.value = farthest};
+            }};
 }
 
 /// Red light that lies more than `reach_px` outside of a card, as a share of the card's light.
@@ -216,6 +251,10 @@ std::vector<StabilityCase> depth_of_field_cases() {
         const auto level = static_cast<DepthOfFieldLevel>(i);
         const std::string effect = fmt::format("depth of field, {}", depth_of_field_levels[i]);
         for (const LensCase& tried : lens_cases()) cases.push_back(lens_case(effect, level, tried));
+        if (level == DepthOfFieldLevel::gather) {
+            cases.push_back(widths_case(effect, level, 1, 1e5));
+            cases.push_back(widths_case(effect, level, 9, 1));
+        }
         add_leak_cases(cases, effect, level);
         cases.push_back(plate_case(effect, level));
     }

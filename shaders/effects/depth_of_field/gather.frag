@@ -27,7 +27,6 @@ void main() {
     float reach = 0.0;
     for (int y = -1; y <= 1; ++y)
         for (int x = -1; x <= 1; ++x) reach = max(reach, fetch_or_zero(widest, widest_region, tile + ivec2(x, y)).r);
-    if (reach == 0.0) return;
 
     ivec2 place = texel - discs_region.xy;
     float own = texelFetch(discs, place, 0).r;

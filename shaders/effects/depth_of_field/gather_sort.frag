@@ -14,7 +14,7 @@ const int texel_px = TEXEL_PX;
 #else
 uniform int texel_px;           // plate pixels along a texel
 #endif
-uniform sampler2D kernels;      // R: radius of the drawn disc, G: 1 / its texels; by the circle's radius in texels
+uniform sampler2D kernels;      // R: radius of the drawn disc, G: its texels; by the circle's radius in texels
 uniform float kernel_step;      // texels from entry to entry
 uniform int kernel_row;
 
@@ -55,5 +55,5 @@ void main() {
     vec2 kernel = mix(texelFetch(kernels, ivec2(entry, kernel_row), 0).rg,
                       texelFetch(kernels, ivec2(entry + 1, kernel_row), 0).rg, place - float(entry));
     disc.r = kernel.r;
-    light_share = sum / whole * kernel.g;
+    light_share = sum / (whole * kernel.g);
 }

@@ -31,6 +31,10 @@ int class_of(double coc_px, double first_class_px) {
     return 2 + static_cast<int>(std::floor(std::log2(width / first_class_px)));
 }
 
+int texel_px_of(int own_class) {
+    return own_class == 0 ? 1 : 1 << (std::abs(own_class) - 1);
+}
+
 /// Radius of the widest disc of any class, drawn; the narrowest class' texels are plate pixels.
 double widest_disc_texels(const GatherKnobs& knobs) {
     return most_magnification * knobs.first_class_px / 2;
@@ -60,11 +64,22 @@ GatherKnobs gather_knobs(QualityLevel quality) {
         case QualityLevel::final_:
             break;
     }
-    return {};
+    // Half floats, of which light passes three, each cut by up to 2^-10, would cost as much as the mean energy may be
+    // off.
+    return {.full_float = true};
 }
 
 double widest_gathered_coc_px(int frame_width, int frame_height) {
     return 2 * std::hypot(frame_width, frame_height);
+}
+
+double gathered_reach_px(double coc_px, const GatherKnobs& knobs) {
+    const int own_class = class_of(coc_px, knobs.first_class_px);
+    if (own_class <= 1) return coc_px / 2;
+    // From a pixel to the middle of its texel, from the last texel that the disc covers in part to where the next one's
+    // share ends.
+    constexpr double resampled_texels = 0.5 + 1.5;
+    return coc_px / 2 + resampled_texels * texel_px_of(own_class);
 }
 
 class GatherDefocus::Passes {
@@ -92,7 +107,6 @@ private:
     int classes_to(double coc_px) const {
         return class_of(std::clamp(coc_px, -largest_px_, largest_px_), knobs_.first_class_px);
     }
-    int texel_px_of(int own_class) const { return 1 << (std::abs(own_class) - 1); }
     /// How far a texel's light can go, and a texel for who magnifies the class.
     int reach_texels() const { return static_cast<int>(std::ceil(widest_disc_texels(knobs_))) + 2; }
     int reach_px(int own_class) const { return (reach_texels() + 2) * texel_px_of(own_class); }

@@ -46,6 +46,9 @@ struct GatherInput {
 /// Widest circle that is drawn, in plate pixels: wider ones, which cover the frame from any place in it, are as this.
 double widest_gathered_coc_px(int frame_width, int frame_height);
 
+/// How far a circle sends its light as it is drawn, in plate pixels: on coarse texels it ends less sharply.
+double gathered_reach_px(double coc_px, const GatherKnobs& knobs);
+
 class GatherDefocus {
 public:
     explicit GatherDefocus(ShaderLibrary& shaders) : shaders_(shaders) {}

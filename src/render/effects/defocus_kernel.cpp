@@ -91,7 +91,7 @@ ImageF disc_table(const BokehSettings& bokeh, double largest_radius, double step
             const double radius = i * step;
             const DrawnDisc disc = drawn_disc(taps, radius * radius * unit_variance - variance_of_resampling(row));
             table.at(i, row, 0) = static_cast<float>(disc.radius);
-            table.at(i, row, 1) = static_cast<float>(1 / disc.texels);
+            table.at(i, row, 1) = static_cast<float>(disc.texels);
         }
     }
     return table;

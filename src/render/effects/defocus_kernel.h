@@ -35,7 +35,8 @@ struct DrawnDisc {
 DrawnDisc drawn_disc(const std::vector<DiscTap>& taps, double wanted_variance);
 
 /// One row a level of resampling (0: none; k: down to texels of 2^k and up again), entries at radii of
-/// 0, step, 2·step … texels: radius of the drawn disc, 1 / its texels.
+/// 0, step, 2·step … texels: radius of the drawn disc, and how many texels it adds up to, which grow with that radius
+/// in proportion but for the steps at which a ring of texels begins.
 ImageF disc_table(const BokehSettings& bokeh, double largest_radius, double step, int rows);
 
 }  // namespace matchlight
