@@ -63,6 +63,10 @@ struct Compositor::Impl {
     /// Also extends `object_bounds` (normalised coordinates) by every object in view.
     Reach reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
                    Eigen::AlignedBox2d& object_bounds, const LayerEffectPlan& spread = {});
+    /// Where the shadow on the real surface can be seen; nowhere where there is none.
+    ShadowReach shadow_reach(const PlateFormat& format);
+    /// Sets how the shadow is out of focus, or why it is not.
+    void plan_surface_defocus(FramePlan& plan, const PlateFormat& format);
     /// Also sets how the lens is focused.
     LayerEffectPlan layer_effects_of(const SolvedFrame& frame, FrameOptics& optics);
     std::optional<FrameDefocus> defocus_of(const SolvedFrame& frame, FrameOptics& optics);
@@ -82,14 +86,16 @@ struct Compositor::Impl {
     std::optional<SceneObjects> scene_objects;
     RenderGraph graph;
     std::optional<ClipLight> light;
-    std::optional<LevelChoice> level_choice;   // by the budget
-    std::optional<Background> background;      // of a scene without footage
-    std::optional<ShadowFootprint> footprint;  // made with the first frame, whose depth sets the limit
+    std::optional<LevelChoice> level_choice;    // by the budget
+    std::optional<Background> background;       // of a scene without footage
+    std::optional<ShadowDetail> shadow_detail;  // made with the first frame that is out of focus
+    std::optional<ShadowFootprint> footprint;   // made with the first frame, whose depth sets the limit
     SceneFocus scene_focus;
     LensMap lens_map;
     std::unique_ptr<CompositePass> composite_pass;
     SurfaceAccumulator accumulator{shaders};
     GatherDefocus gather{shaders};
+    SurfaceDefocus surface_defocus{shaders};
     GrainNoise grain_noise{shaders};
     CameraEffects effects;
     Response pq = Response::pq();
@@ -139,7 +145,10 @@ void Compositor::Impl::place_objects(const SolvedFrame& frame) {
     const PlacementChange change = scene_objects->change_since_lit();
     if (!change.any) return;
     light->forget_shadows(graph, change.casters);
-    if (change.casters) footprint.reset();
+    if (change.casters) {
+        footprint.reset();
+        shadow_detail.reset();
+    }
     make_light();
 }
 
@@ -244,16 +253,62 @@ Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const 
         object_bounds.extend(bounds);
         regions.push_back(plate_region(bounds, solve.camera, margin_px));
     }
+    ShadowReach shadow = shadow_reach(format);
+    const int smear_px = spread.motion && spread.motion->smears_shadow
+                             ? edge_px + static_cast<int>(std::ceil(spread.motion->surface.spread_px))
+                             : 0;
+    const std::optional<FrameSurfaceDefocus>& blur = spread.surface_defocus;
+    shadow.beyond_frame = blur.has_value();
+    shadow.spread_px = [&blur, smear_px](const Region& tile) {
+        return smear_px + (blur ? blur->reach_px(tile, smear_px) : 0);
+    };
+    return make_reach(regions, shadow, camera_from_world, lens_map, solve.camera);
+}
+
+ShadowReach Compositor::Impl::shadow_reach(const PlateFormat& format) {
     const std::optional<ContactShadow>& shadow = light->contact_shadow();
-    if (!shadow) return make_reach(regions, {}, camera_from_world, lens_map, solve.camera);
+    if (!shadow) return {};
     if (!footprint) footprint.emplace(shadow->far, shadow->fine, half_code(format));
-    const bool smeared = spread.motion && spread.motion->smears_shadow;
-    return make_reach(
-        regions,
-        {.in = [this](const Eigen::AlignedBox2d& box_m) { return footprint->touches(box_m); },
-         .surface_z_m = shadow->surface_z_m,
-         .spread_px = smeared ? edge_px + static_cast<int>(std::ceil(spread.motion->surface.spread_px)) : 0},
-        camera_from_world, lens_map, solve.camera);
+    return {.in = [this](const Eigen::AlignedBox2d& box_m) { return footprint->touches(box_m); },
+            .surface_z_m = shadow->surface_z_m};
+}
+
+void Compositor::Impl::plan_surface_defocus(FramePlan& plan, const PlateFormat& format) {
+    const std::optional<DepthOfFieldSettings>& defocus = effects.settings().depth_of_field;
+    if (!defocus || plan.optics.focus.coc_scale_px_m == 0) return;
+    const auto leave_out = [&](const char* why) { plan.left_out.push_back({"surface defocus", why}); };
+    ShadowReach shadow = shadow_reach(format);
+    if (!shadow.in) return leave_out("there is no shadow on the real surface");
+    const RigidTransform& camera_from_world = plan.optics.camera_from_world;
+    const SurfaceFocus focus(plan.optics.focus, shadow.surface_z_m, camera_from_world, lens_map, solve.camera);
+    if (!focus.is_seen()) return leave_out("the lens lies in the surface");
+    // Points of the lens see the shadow each from its place: their mean is this, in its finest form.
+    const bool exact = defocus->level == DepthOfFieldLevel::lens_samples;
+    FrameSurfaceDefocus blur{.focus = focus,
+                             .bokeh = defocus->bokeh,
+                             .tiles = {},
+                             .knobs = surface_defocus_knobs(exact ? QualityLevel::reference : quality.depth_of_field)};
+    shadow.beyond_frame = true;
+    shadow.spread_px = [&blur](const Region& tile) { return blur.reach_px(tile); };
+    const RigidTransform world_from_camera = camera_from_world.inverse();
+    bool blurred = false;
+    if (blur.knobs.smooth_bend > 0) {
+        const ContactShadow& maps = *light->contact_shadow();
+        if (!shadow_detail) shadow_detail.emplace(maps.far, maps.fine, blur.knobs.smooth_bend);
+        blur.smooth_over_m = shadow_detail->smooth_over_m();
+    }
+    ShadowReach edges = shadow;
+    edges.spread_px = [&blur](const Region& tile) { return blur.focus.reach_px(tile, 0, blur.knobs); };
+    edges.in = [this](const Eigen::AlignedBox2d& box_m) { return shadow_detail->touches(box_m); };
+    for (const Region& tile : frame_tiles(solve.camera)) {
+        if (options.leave_out && !sees_shadow(tile, shadow, world_from_camera, lens_map, solve.camera)) continue;
+        blur.tiles.push_back(focus.over(tile));
+        if (blur.smooth_over_m > 0 && !sees_shadow(tile, edges, world_from_camera, lens_map, solve.camera))
+            blur.tiles.back().least_class = blur.smooth_class_of(tile);
+        blurred = blurred || blur.tiles.back().widest_px >= least_coc_px;
+    }
+    if (!blurred && options.leave_out) return leave_out("where its shadow is seen no circle is a quarter pixel wide");
+    plan.layer_effects.surface_defocus = std::move(blur);
 }
 
 LayerEffectPlan Compositor::Impl::layer_effects_of(const SolvedFrame& frame, FrameOptics& optics) {
@@ -369,7 +424,10 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
     if (plan.posed) place_objects(solved);
     plan.optics = optics_of(solved);
     plan.layer_effects = layer_effects_of(solved, plan.optics);
-    if (plan.posed) plan_sensor(plan);
+    if (plan.posed) {
+        plan_surface_defocus(plan, format);
+        plan_sensor(plan);
+    }
     if (const std::optional<GrainSettings>& grain = effects.settings().grain) {
         plan.grain = grain_of_frame(*grain, solve, plate.index(), plan.optics.plate_gain, warnings);
     }
@@ -400,6 +458,7 @@ FrameResources Compositor::Impl::resources() {
             .composite = *composite_pass,
             .accumulator = accumulator,
             .gather = gather,
+            .surface_defocus = surface_defocus,
             .effects = effects,
             .camera = solve.camera,
             .quality = quality,

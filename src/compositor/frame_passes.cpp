@@ -254,6 +254,7 @@ CompositeInput FramePasses::with_layer_effects(CompositeInput input) {
                                       {.shaders = resources_.shaders,
                                        .composite = resources_.composite,
                                        .gather = resources_.gather,
+                                       .surface_defocus = resources_.surface_defocus,
                                        .input = input,
                                        .layer_density = layer_.fx / resources_.camera.fx,
                                        .objects = objects,

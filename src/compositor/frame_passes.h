@@ -50,6 +50,7 @@ struct FrameResources {
     CompositePass& composite;
     SurfaceAccumulator& accumulator;
     GatherDefocus& gather;
+    SurfaceDefocus& surface_defocus;
     CameraEffects& effects;
     const Camera& camera;
     const Quality& quality;

@@ -52,6 +52,12 @@ GraphTexture add_defocus(RenderGraph& graph, ShaderLibrary& shaders, const Defoc
 
 }  // namespace
 
+int FrameSurfaceDefocus::reach_px(const Region& tile, int around_px) const {
+    // Tiles beside it may be drawn on coarser texels.
+    const int least_class = around_px > 0 && smooth_over_m > 0 ? coarsest_smooth_class : smooth_class_of(tile);
+    return focus.reach_px(tile.grown(around_px), least_class, knobs);
+}
+
 double LayerEffectPlan::lens_spread_px() const {
     const double of_motion = motion ? motion->objects.spread_px : 0;
     // Circles too narrow to count move nothing: the layer is drawn as without them, bit for bit.
@@ -124,12 +130,26 @@ GraphTexture add_smeared(RenderGraph& graph, const LayerEffectInput& input, cons
                            motion_blur_knobs(input.motion_quality));
 }
 
-GraphTexture add_smeared_shadow(RenderGraph& graph, const LayerEffectInput& input, const FrameMotion& motion) {
+GraphTexture add_shadow_in_focus(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan,
+                                 const Region& region) {
+    if (!plan.surface_defocus) return input.composite.add_shadow_ratio(graph, input.input, region);
+    const FrameSurfaceDefocus& defocus = *plan.surface_defocus;
+    return input.surface_defocus.add(graph, input.composite,
+                                     {.input = input.input,
+                                      .focal_px = defocus.focus.focal_px(),
+                                      .bokeh = defocus.bokeh,
+                                      .tiles = defocus.tiles,
+                                      .region = region.intersected(graph.frame())},
+                                     defocus.knobs);
+}
+
+GraphTexture add_smeared_shadow(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan) {
+    const FrameMotion& motion = *plan.motion;
     const double half_share = motion.shutter.share() / 2;
     const int spread_px = static_cast<int>(std::ceil(motion.surface.spread_px)) + 1;
     return add_shadow_motion_blur(
         graph, input.shaders, input.composite,
-        {.ratio = input.composite.add_shadow_ratio(graph, input.input, input.input.region.grown(spread_px)),
+        {.ratio = add_shadow_in_focus(graph, input, plan, input.input.region.grown(spread_px)),
          .input = input.input,
          .ends = {.opening_camera_from_world = motion.shutter.camera_from_world(-half_share),
                   .closing_camera_from_world = motion.shutter.camera_from_world(half_share)},
@@ -149,8 +169,12 @@ PlateLayer add_layer_effects(RenderGraph& graph, const LayerEffectInput& input, 
             layer.light = add_smeared(graph, input, plan, layer.light);
         }
     }
-    if (plan.motion && plan.motion->smears_shadow && input.input.shadow != nullptr) {
-        layer.shadow = add_smeared_shadow(graph, input, *plan.motion);
+    if (input.input.shadow != nullptr) {
+        if (plan.motion && plan.motion->smears_shadow) {
+            layer.shadow = add_smeared_shadow(graph, input, plan);
+        } else if (plan.surface_defocus) {
+            layer.shadow = add_shadow_in_focus(graph, input, plan, input.input.region);
+        }
     }
     if (!plan.acts_on_plate_pixels() || !input.input.layer_drawn) return layer;
     if (!layer.light) layer.light = input.composite.add_resolved_layer(graph, input.input, input.objects).light;

@@ -7,12 +7,14 @@
 
 #include "compositor/focus.h"
 #include "compositor/shutter.h"
+#include "compositor/surface_focus.h"
 #include "compositor/virtual_motion.h"
 #include "gl/shader_library.h"
 #include "render/composite_pass.h"
 #include "render/effects/chromatic_aberration.h"
 #include "render/effects/defocus_gather.h"
 #include "render/effects/softness.h"
+#include "render/effects/surface_defocus.h"
 #include "render/graph.h"
 #include "render/virtual_layer.h"
 #include "scene/effects.h"
@@ -33,6 +35,22 @@ struct FrameDefocus {
     QualityLevel quality = QualityLevel::final_;
 };
 
+/// What of the shadow on the real surface is out of focus in a frame.
+struct FrameSurfaceDefocus {
+    SurfaceFocus focus;
+    BokehSettings bokeh;
+    std::vector<SurfaceTile> tiles;  // where the blurred shadow can be
+    SurfaceDefocusKnobs knobs;
+    double smooth_over_m = 0;  // ShadowDetail; 0: smooth parts are drawn as others
+
+    /// Of a tile without the shadow's edges.
+    int smooth_class_of(const Region& tile) const {
+        return smooth_over_m > 0 ? focus.class_of_texels(tile, smooth_over_m) : 0;
+    }
+    /// How far a tile's pixels, or those up to `around_px` beside it, look for the shadow.
+    int reach_px(const Region& tile, int around_px = 0) const;
+};
+
 /// What moves while a frame's shutter is open.
 struct FrameMotion {
     MotionBlurSettings settings;
@@ -45,13 +63,14 @@ struct FrameMotion {
 /// What a frame's layer goes through; nothing where all is sharp and still.
 struct LayerEffectPlan {
     std::optional<FrameDefocus> defocus;
+    std::optional<FrameSurfaceDefocus> surface_defocus;
     std::optional<FrameMotion> motion;
     std::string motion_left_out;  // why, where the scene asks for motion blur and the frame has none
     std::optional<LateralColor> color;
     double softness_px = 0;                              // standard deviation
     QualityLevel sensor_quality = QualityLevel::final_;  // of colour and softness
 
-    bool any() const { return defocus || motion || acts_on_plate_pixels(); }
+    bool any() const { return defocus || surface_defocus || motion || acts_on_plate_pixels(); }
     /// Whether something is done to the layer after lens and shutter have blurred it.
     bool acts_on_plate_pixels() const { return color || softness_px > 0; }
     /// How far, in plate pixels, the layer's light leaves the place it was drawn at.
@@ -74,6 +93,7 @@ struct LayerEffectInput {
     ShaderLibrary& shaders;
     CompositePass& composite;
     GatherDefocus& gather;
+    SurfaceDefocus& surface_defocus;
     const CompositeInput& input;  // with the layer as drawn
     double layer_density = 1;     // layer pixels along a plate pixel
     Region objects;               // plate pixels that the blurred layer can reach

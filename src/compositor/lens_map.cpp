@@ -1,6 +1,7 @@
 // Inverts the distortion once a clip, on a grid.
 #include "compositor/lens_map.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -33,8 +34,8 @@ LensMap make_lens_map(const Camera& camera) {
 Eigen::Vector2d LensMap::normalized(double x, double y) const {
     const double u = x / spacing + 1;
     const double v = y / spacing + 1;
-    const int column = static_cast<int>(std::floor(u));
-    const int row = static_cast<int>(std::floor(v));
+    const int column = static_cast<int>(std::clamp(std::floor(u), 0.0, nodes.width() - 2.0));
+    const int row = static_cast<int>(std::clamp(std::floor(v), 0.0, nodes.height() - 2.0));
     const double s = u - column;
     const double t = v - row;
     const auto node = [&](int i, int j) {

@@ -16,7 +16,7 @@ struct LensMap {
     ImageF nodes;                           // 2 channels; NaN where the lens model does not reach
     Eigen::AlignedBox2d normalized_bounds;  // of all nodes that are finite
 
-    /// The same bilinear look-up as shaders/common/lens_map.glsl.
+    /// The same bilinear look-up as shaders/common/lens_map.glsl: beyond the grid its outermost cells go on straight.
     Eigen::Vector2d normalized(double x, double y) const;
 };
 

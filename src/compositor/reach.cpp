@@ -122,6 +122,24 @@ Eigen::AlignedBox2d surface_seen(const Region& tile, double surface_z_m, const R
 
 }  // namespace
 
+bool sees_shadow(const Region& part, const ShadowReach& shadow, const RigidTransform& world_from_camera,
+                 const LensMap& lens_map, const Camera& camera) {
+    if (!shadow.in) return false;
+    Region around = shadow.spread_px ? part.grown(shadow.spread_px(part)) : part;
+    if (!shadow.beyond_frame) around = around.intersected({0, 0, camera.width, camera.height});
+    const Eigen::AlignedBox2d seen = surface_seen(around, shadow.surface_z_m, world_from_camera, lens_map);
+    return !seen.isEmpty() && shadow.in(seen);
+}
+
+std::vector<Region> frame_tiles(const Camera& camera) {
+    std::vector<Region> tiles;
+    for (int y = 0; y < camera.height; y += Reach::tile_px) {
+        for (int x = 0; x < camera.width; x += Reach::tile_px)
+            tiles.push_back(tile_at(x / Reach::tile_px, y / Reach::tile_px, camera));
+    }
+    return tiles;
+}
+
 Reach tiles_of(const Camera& camera, const std::function<bool(int column, int row)>& wanted) {
     const int columns = (camera.width + Reach::tile_px - 1) / Reach::tile_px;
     const int rows = (camera.height + Reach::tile_px - 1) / Reach::tile_px;
@@ -145,16 +163,12 @@ Reach tiles_of(const Camera& camera, const std::function<bool(int column, int ro
 Reach make_reach(const std::vector<Region>& object_regions, const ShadowReach& shadow,
                  const RigidTransform& camera_from_world, const LensMap& lens_map, const Camera& camera) {
     const RigidTransform world_from_camera = camera_from_world.inverse();
-    const Region frame{0, 0, camera.width, camera.height};
     return tiles_of(camera, [&](int column, int row) {
         const Region tile = tile_at(column, row, camera);
         for (const Region& region : object_regions) {
             if (!tile.intersected(region).empty()) return true;
         }
-        if (!shadow.in) return false;
-        const Region around = tile.grown(shadow.spread_px).intersected(frame);
-        const Eigen::AlignedBox2d seen = surface_seen(around, shadow.surface_z_m, world_from_camera, lens_map);
-        return !seen.isEmpty() && shadow.in(seen);
+        return sees_shadow(tile, shadow, world_from_camera, lens_map, camera);
     });
 }
 

@@ -42,6 +42,9 @@ struct Reach {
     bool has_tile(int column, int row) const;
 };
 
+/// All of a frame's tiles, row by row.
+std::vector<Region> frame_tiles(const Camera& camera);
+
 /// The tiles for which `wanted` says so, by column and row.
 Reach tiles_of(const Camera& camera, const std::function<bool(int column, int row)>& wanted);
 
@@ -52,8 +55,15 @@ using ShadowTest = std::function<bool(const Eigen::AlignedBox2d& box_m)>;
 struct ShadowReach {
     ShadowTest in = {};  // empty: nowhere
     double surface_z_m = 0;
-    int spread_px = 0;  // how far the camera's motion smears it in the picture
+    /// How far a tile's pixels look for it in the picture: by the camera's motion and out of focus. Empty: nowhere but
+    /// where they are.
+    std::function<int(const Region& tile)> spread_px = {};
+    bool beyond_frame = false;  // whether they see, out of focus, what lies there
 };
+
+/// Whether a part of the frame sees shadow.
+bool sees_shadow(const Region& part, const ShadowReach& shadow, const RigidTransform& world_from_camera,
+                 const LensMap& lens_map, const Camera& camera);
 
 /// Tiles that lie in one of `object_regions` or see shadow on the surface.
 Reach make_reach(const std::vector<Region>& object_regions, const ShadowReach& shadow,

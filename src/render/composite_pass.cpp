@@ -149,7 +149,9 @@ void CompositePass::set_layer(Program& program, const CompositeInput& input) con
     bind_or("layer_object_id", 8, picture.object_id, empty_id_);
 }
 
-void CompositePass::set_shadow(Program& program, const CompositeInput& input) const {
+void CompositePass::set_surface(Program& program, const CompositeInput& input) const {
+    program.bind_texture("lens_nodes", 1, lens_nodes_);
+    program.set("lens_spacing", static_cast<float>(lens_spacing_));
     program.set("shadow_present", input.shadow != nullptr);
     if (input.shadow != nullptr) {
         input.shadow->bind(program, 4);
@@ -167,7 +169,7 @@ void CompositePass::set_shadow(Program& program, const CompositeInput& input) co
 void CompositePass::set_input(Program& program, const CompositeInput& input) const {
     program.bind_texture("response_linear", 2, response_);
     set_layer(program, input);
-    set_shadow(program, input);
+    set_surface(program, input);
 
     const FrameOptics& optics = input.optics;
     program.set("gain", Eigen::Vector3f(optics.gain.cast<float>()));
@@ -200,9 +202,7 @@ GraphTexture CompositePass::add_shadow_ratio(RenderGraph& graph, const Composite
         {.name = "shadow", .writes = {GL_RGBA32F}, .region = region, .draw = [this, input](PassRun& run) {
              Program& program = shaders_.full_screen("composite/shadow_ratio.frag");
              program.use();
-             program.bind_texture("lens_nodes", 1, lens_nodes_);
-             program.set("lens_spacing", static_cast<float>(lens_spacing_));
-             set_shadow(program, input);
+             set_surface(program, input);
              run.draw(program);
          }})[0];
 }

@@ -103,6 +103,9 @@ public:
     void set_layer(Program& program, const CompositeInput& input) const;
     /// What composite/layer.glsl is compiled with.
     static ShaderDefines layer_defines(const CompositeInput& input);
+    /// Sets the uniforms of common/lens_map.glsl, effects/contact_shadow/contact_shadow.glsl and composite/shadow.glsl;
+    /// takes texture units 1, 4 and 5.
+    void set_surface(Program& program, const CompositeInput& input) const;
     /// From light to code values, with the spilled light.
     ResponsePicture add_response(RenderGraph& graph, const ResponseInput& input);
 
@@ -115,7 +118,6 @@ private:
     GraphTexture add_upload(RenderGraph& graph, const char* name, const ImageF& code, const Region& region,
                             const std::vector<Region>& runs);
     void set_input(Program& program, const CompositeInput& input) const;
-    void set_shadow(Program& program, const CompositeInput& input) const;
 
     ShaderLibrary& shaders_;
     Texture2D lens_nodes_;

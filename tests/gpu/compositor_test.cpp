@@ -257,6 +257,7 @@ std::vector<EffectSettings> each_depth_of_field(double widest_px) {
 
 TEST_F(CompositorTest, CirclesOfLessThanAQuarterPixelAreNone) {
     Shot shot = make_shot();
+    shot.scene.surface.shadow = false;  // the surface lies farther from the focus
     const CompositedFrame plain = composite(shot, true);
     for (const EffectSettings& effects : each_depth_of_field(0.99 * least_coc_px)) {
         const std::string_view name = depth_of_field_levels[static_cast<std::size_t>(effects.depth_of_field->level)];

@@ -46,22 +46,49 @@ struct ShadowMap {
     Eigen::AlignedBox2d rectangle_m;
 };
 
-/// Where a shadow lies, on the CPU: which cells of a grid over the surface lose more of their light than a limit.
-class ShadowFootprint {
+/// Marked cells of a grid over a part of the surface.
+class SurfaceCells {
 public:
-    /// `loss` images hold RGB as ShadowMap does; both rectangles lie in the first.
-    ShadowFootprint(const ShadowMap& far, const ShadowMap& fine, double least_loss);
+    explicit SurfaceCells(const Eigen::AlignedBox2d& rectangle_m);
 
-    /// Whether the shadow can be seen anywhere in a box of the surface.
-    bool touches(const Eigen::AlignedBox2d& box_m) const;
+    void mark(const Eigen::AlignedBox2d& box_m);
+    /// Of the cells marked so far.
+    void sum_up();
+    /// Whether a box holds a part of a cell that was marked.
+    bool any_in(const Eigen::AlignedBox2d& box_m) const;
+    Eigen::Vector2d cell_m() const { return rectangle_m_.sizes() / cells; }
 
 private:
     static constexpr int cells = 256;  // along each side
-    void mark(const ShadowMap& map, double least_loss);
     Eigen::Array2i cell_of(const Eigen::Vector2d& point_m) const;
 
     Eigen::AlignedBox2d rectangle_m_;
     std::vector<std::int32_t> sums_;  // of marked cells above and to the left; (cells + 1)²
+};
+
+/// Where a shadow lies, on the CPU: which cells of a grid over the surface lose more of their light than a limit.
+class ShadowFootprint {
+public:
+    ShadowFootprint(const ShadowMap& far, const ShadowMap& fine, double least_loss);
+
+    /// Whether the shadow can be seen anywhere in a box of the surface.
+    bool touches(const Eigen::AlignedBox2d& box_m) const { return cells_.any_in(box_m); }
+
+private:
+    SurfaceCells cells_;
+};
+
+/// Where a shadow has edges: elsewhere its share of the light, taken at points no farther apart than smooth_over_m(),
+/// is linear between them to an eighth of `least_bend`.
+class ShadowDetail {
+public:
+    ShadowDetail(const ShadowMap& far, const ShadowMap& fine, double least_bend);
+
+    bool touches(const Eigen::AlignedBox2d& box_m) const { return cells_.any_in(box_m); }
+    double smooth_over_m() const { return cells_.cell_m().minCoeff(); }
+
+private:
+    SurfaceCells cells_;
 };
 
 /// The whole shadow is the sum of two maps: the fine map holds the steep directions' shadows, close around the casters'
