@@ -362,8 +362,8 @@ std::optional<FrameDefocus> Compositor::Impl::defocus_of(const SolvedFrame& fram
     if (!defocus) return std::nullopt;
     const std::optional<double> autofocus_m = scene_focus.depth_m(*defocus, *frame.camera_from_world, warnings);
     optics.focus = focus_of_frame(*defocus, solve, frame, autofocus_m, warnings);
-    const std::vector<ObjectFocus> apart = scene_focus.apart(defocus->level, warnings);
     const FrameView view{*frame.camera_from_world, lens_map.normalized_bounds, solve.camera.fx};
+    const std::vector<ObjectFocus>& apart = scene_focus.apart();
     CocRange range;
     for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
         const Eigen::AlignedBox3d box_m = surfaces.object_bounds_m(i);

@@ -129,6 +129,7 @@ GraphTexture FramePasses::add_surface(bool layers) {
     const RigidTransform& camera_from_world = plan_.optics.camera_from_world;
     view.clip_from_world = clip_from_camera(pinhole) * camera_from_world.matrix();
     view.eye_world_m = camera_from_world.inverse().translation();
+    view.lens = surface_lens(density);
     // Colour (half floats) and depth are written once a sample.
     constexpr double bytes_a_sample = 8 + 4;
     const GraphTexture drawn =
@@ -139,10 +140,15 @@ GraphTexture FramePasses::add_surface(bool layers) {
                     .bytes = bytes_a_sample * view.width * view.height * view.samples,
                     .draw = [this, view, pinhole, layers](PassRun&) {
                         layer_.picture = draw_surface(view, pinhole);
-                        layer_.hidden = {};
+                        layer_.hidden = layer_.transparent = {};
                         if (plan_.layer_effects.needs_hidden(resources_.quality.depth_of_field)) {
                             const ClipLight& lit = resources_.light;
                             layer_.hidden = resources_.surfaces.draw_hidden(lit.environment(), view, lit.shading());
+                        }
+                        if (view.lens && view.lens->parts_transparent) {
+                            const ClipLight& lit = resources_.light;
+                            layer_.transparent =
+                                resources_.surfaces.draw_transparent(lit.environment(), view, lit.shading());
                         }
                         if (plan_.layer_effects.gathers_motion()) draw_ways(view);
                         if (!layers) return;
@@ -168,6 +174,28 @@ void FramePasses::place_on_plate_pixels(const Eigen::AlignedBox2d& bounds, Surfa
     layer_.cy = (corner.y() - first.y()) * density - 0.5;
     view.width = (end.x() - first.x()) * layer_.whole_density;
     view.height = (end.y() - first.y()) * layer_.whole_density;
+}
+
+bool FramePasses::parts_transparent() const {
+    const std::optional<FrameDefocus>& defocus = plan_.layer_effects.defocus;
+    return defocus && !defocus->objects.is_sharp() && defocus->settings.level == DepthOfFieldLevel::gather &&
+           resources_.surfaces.any_blends();
+}
+
+std::optional<SurfaceLens> FramePasses::surface_lens(double layer_density) const {
+    const LayerEffectPlan& effects = plan_.layer_effects;
+    if (!effects.blurs_focus() || effects.defocus->objects.is_sharp()) return std::nullopt;
+    const FrameDefocus& defocus = *effects.defocus;
+    const double diameter_m = plan_.optics.focus.coc_scale_px_m / resources_.camera.fx;
+    const Eigen::Matrix3d world_from_camera = plan_.optics.camera_from_world.linear().transpose();
+    return SurfaceLens{.focus = plan_.optics.focus,
+                       .range = defocus.objects,
+                       .right_world_m = diameter_m * world_from_camera.col(0),
+                       .down_world_m = diameter_m * world_from_camera.col(1),
+                       .layer_density = layer_density,
+                       .focuses_reflections = defocus.settings.reflections == ReflectionFocus::virtual_image,
+                       .parts_transparent = parts_transparent(),
+                       .apart = defocus.apart};
 }
 
 SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeView& pinhole) {
@@ -257,6 +285,7 @@ CompositeInput FramePasses::with_layer_effects(CompositeInput input) {
                                        .surface_defocus = resources_.surface_defocus,
                                        .input = input,
                                        .layer_density = layer_.fx / resources_.camera.fx,
+                                       .parts_transparent = parts_transparent(),
                                        .objects = objects,
                                        .defocus_quality = resources_.quality.depth_of_field,
                                        .motion_quality = resources_.quality.motion_blur},

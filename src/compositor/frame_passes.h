@@ -71,9 +71,13 @@ private:
     /// Begins the frame in the graph, with the passes that draw objects and background.
     void begin(bool layers);
     GraphTexture add_surface(bool layers);
+    void place_on_plate_pixels(const Eigen::AlignedBox2d& bounds, SurfaceView& view);
+    /// Whether what lets light through is drawn apart, to be blurred at its own depth.
+    bool parts_transparent() const;
+    /// For one picture of the layer that is blurred afterwards; none where nothing is.
+    std::optional<SurfaceLens> surface_lens(double layer_density) const;
     /// From every point of the lens and at every time that the layer is drawn at: once, unless defocus or motion blur
     /// is drawn that way.
-    void place_on_plate_pixels(const Eigen::AlignedBox2d& bounds, SurfaceView& view);
     SurfacePicture draw_surface(const SurfaceView& view, const PinholeView& pinhole);
     /// How objects move over the layer.
     void draw_ways(const SurfaceView& view);

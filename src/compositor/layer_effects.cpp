@@ -21,6 +21,7 @@ GraphTexture add_gather(RenderGraph& graph, const LayerEffectInput& input, const
                              .bind_layer = [&composite = input.composite, layer = input.input](
                                                Program& program) { composite.set_layer(program, layer); },
                              .layer_defines = CompositePass::layer_defines(input.input),
+                             .has_transparent = input.parts_transparent,
                              .region = input.objects,
                              .layer_density = input.layer_density,
                              .focus = input.input.optics.focus,

@@ -21,12 +21,6 @@
 
 namespace matchlight {
 
-/// An object that is blurred as if the lens were focused elsewhere, or not at all.
-struct ObjectFocus {
-    std::size_t object = 0;
-    std::optional<double> distance_m;  // absent: sharp
-};
-
 /// What is out of focus in a frame.
 struct FrameDefocus {
     DepthOfFieldSettings settings;
@@ -94,9 +88,10 @@ struct LayerEffectInput {
     CompositePass& composite;
     GatherDefocus& gather;
     SurfaceDefocus& surface_defocus;
-    const CompositeInput& input;  // with the layer as drawn
-    double layer_density = 1;     // layer pixels along a plate pixel
-    Region objects;               // plate pixels that the blurred layer can reach
+    const CompositeInput& input;     // with the layer as drawn
+    double layer_density = 1;        // layer pixels along a plate pixel
+    bool parts_transparent = false;  // the layer has them apart
+    Region objects;                  // plate pixels that the blurred layer can reach
     QualityLevel defocus_quality = QualityLevel::final_;
     QualityLevel motion_quality = QualityLevel::final_;
 };

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <fmt/format.h>
-
 namespace matchlight {
 
 SceneFocus::SceneFocus(const Scene& scene, const Camera& camera, const SurfaceRenderer& surfaces)
@@ -37,14 +35,6 @@ std::optional<double> SceneFocus::depth_m(const DepthOfFieldSettings& settings, 
     if (casts_rays && objects_.empty()) read_objects();
     for (std::size_t i = 0; i < objects_.size(); ++i) objects_[i].world_from_model = surfaces_.world_from_model(i);
     return autofocus_depth_m(settings, {camera_, camera_from_world, objects_, surface_z_m_}, warnings);
-}
-
-std::vector<ObjectFocus> SceneFocus::apart(DepthOfFieldLevel level, Warnings& warnings) const {
-    if (level == DepthOfFieldLevel::lens_samples || apart_.empty()) return apart_;
-    warnings.add(fmt::format(
-        "object '{}' has a focus of its own, which only the level \"lens_samples\" of depth of field follows",
-        names_[apart_.front().object]));
-    return {};
 }
 
 }  // namespace matchlight

@@ -20,9 +20,8 @@ public:
     /// See autofocus_depth_m(); objects stand as `surfaces` has them now.
     std::optional<double> depth_m(const DepthOfFieldSettings& settings, const RigidTransform& camera_from_world,
                                   Warnings& warnings);
-    /// Objects that the scene gives a focus of their own. Only `lens_samples` follows it: empty for other levels, with
-    /// a warning.
-    std::vector<ObjectFocus> apart(DepthOfFieldLevel level, Warnings& warnings) const;
+    /// Objects that the scene gives a focus of their own.
+    const std::vector<ObjectFocus>& apart() const { return apart_; }
 
 private:
     void read_objects();

@@ -138,11 +138,14 @@ void CompositePass::set_layer(Program& program, const CompositeInput& input) con
     program.bind_texture("lens_nodes", 1, lens_nodes_);
     program.set("lens_spacing", static_cast<float>(lens_spacing_));
     bind_or("layer", 3, picture.color, empty_);
-    bind_or("layer_depth_share", 9, picture.depth_share, empty_);
+    const auto share_of = [](const SurfacePicture& of) { return of.focus_share ? of.focus_share : of.depth_share; };
+    bind_or("layer_depth_share", 9, share_of(picture), empty_);
     program.set("near_m", near_plane_m);
     program.set("hidden_present", layer.hidden.color != nullptr);
     bind_or("hidden_layer", 12, layer.hidden.color, empty_);
-    bind_or("hidden_depth_share", 13, layer.hidden.depth_share, empty_);
+    bind_or("hidden_depth_share", 13, share_of(layer.hidden), empty_);
+    bind_or("transparent_layer", 14, layer.transparent.color, empty_);
+    bind_or("transparent_depth_share", 15, layer.transparent.focus_share, empty_);
     if (!input.layers) return;
     bind_or("layer_normal", 6, picture.normal, empty_);
     bind_or("layer_depth_m", 7, picture.depth_m, empty_);

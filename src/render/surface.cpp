@@ -48,11 +48,19 @@ struct SurfaceRenderer::Targets {
         Texture2D color, depth;
         Framebuffer target;
     };
+    /// Beside a picture, how the lens focuses it; into the picture's own colour and depth.
+    struct WithFocus {
+        Texture2D focus_share;
+        Framebuffer target;
+        GLuint color = 0, depth = 0;  // what the target holds besides
+    };
     Texture2D multisampled_color, multisampled_depth;
     Framebuffer multisampled;
     Texture2D color, depth;  // depth only where nothing is multisampled
     Framebuffer resolved;
     ColorAndDepth hidden, ways;
+    Texture2D transparent_color;
+    WithFocus focused, hidden_focused, transparent;
     Texture2D layer_depth_m, layer_normal, layer_id, layer_depth;
     Framebuffer layers;
 
@@ -106,6 +114,18 @@ struct SurfaceRenderer::Targets {
         layer_depth = Texture2D(shape);
         layers = Framebuffer({layer_depth_m, layer_normal, layer_id}, layer_depth);
     }
+    static void fit(WithFocus& focused, const Texture2D& color, const Texture2D& depth) {
+        if (focused.focus_share && focused.focus_share.width() == color.width() &&
+            focused.focus_share.height() == color.height() && focused.color == color.name() &&
+            focused.depth == depth.name())
+            return;
+        TextureShape shape;
+        shape.width = color.width();
+        shape.height = color.height();
+        shape.format = GL_R32F;
+        focused = {.focus_share = Texture2D(shape), .target = {}, .color = color.name(), .depth = depth.name()};
+        focused.target = Framebuffer({color, focused.focus_share}, depth);
+    }
     static void fit(ColorAndDepth& pair, const SurfaceView& view, GLenum format) {
         if (holds(pair.color, view, 0)) return;
         TextureShape shape = shape_for(pair.color, view);
@@ -148,6 +168,26 @@ bool enters(const SurfaceView& view, const Eigen::AlignedBox3d& box_m) {
     const double margin_m = 4 * view.clip_from_world(2, 3);
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(margin_m);
     return Eigen::AlignedBox3d(box_m.min() - margin, box_m.max() + margin).contains(view.eye_world_m);
+}
+
+void set_lens(Program& program, const SurfaceLens& lens) {
+    program.set("coc_scale_px_m", lens.focus.coc_scale_px_m);
+    program.set("focus_per_m", 1 / lens.focus.focus_distance_m);
+    program.set("near_m", near_plane_m);
+    program.set("lens_right_world_m", Eigen::Vector3f(lens.right_world_m.cast<float>()));
+    program.set("lens_down_world_m", Eigen::Vector3f(lens.down_world_m.cast<float>()));
+    program.set("coc_range_px",
+                Eigen::Vector2f(static_cast<float>(lens.range.nearest_px), static_cast<float>(lens.range.farthest_px)));
+    program.set("layer_density", lens.layer_density);
+    program.set("focuses_reflections", lens.focuses_reflections);
+}
+
+void set_focus(Program& program, const SurfaceLens& lens, std::size_t object) {
+    const auto own = std::ranges::find(lens.apart, object, &ObjectFocus::object);
+    const bool is_apart = own != lens.apart.end();
+    program.set("object_is_sharp", is_apart && !own->distance_m);
+    const double distance_m = is_apart && own->distance_m ? *own->distance_m : lens.focus.focus_distance_m;
+    program.set("object_focus_per_m", 1 / distance_m);
 }
 
 void leave_state() {
@@ -194,6 +234,12 @@ const Eigen::Matrix4d& SurfaceRenderer::world_from_model(std::size_t index) cons
 bool SurfaceRenderer::any_reflects(ReflectionForm form) const {
     return std::any_of(objects_.begin(), objects_.end(),
                        [&](const Object& object) { return object.reflection == form; });
+}
+
+bool SurfaceRenderer::any_blends() const {
+    return std::ranges::any_of(objects_, [](const Object& object) {
+        return std::ranges::any_of(object.meshes, [&](const Mesh& mesh) { return object.material_of(mesh).blends(); });
+    });
 }
 
 std::size_t SurfaceRenderer::object_count() const {
@@ -266,6 +312,7 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
     };
     std::vector<Blended> blended;
     const auto place = [&](const Object& object) {
+        if (view.lens) set_focus(program, *view.lens, static_cast<std::size_t>(&object - objects_.data()));
         const Eigen::Matrix3d linear = object.world_from_model.topLeftCorner<3, 3>();
         const auto apart =
             std::ranges::find(view.apart, static_cast<std::size_t>(&object - objects_.data()), &ObjectView::object);
@@ -280,6 +327,7 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
         program.set("object_id", static_cast<unsigned>(object.id));
         if (place_more) place_more(static_cast<std::size_t>(&object - objects_.data()));
     };
+    const bool shows_blended = drawn == Drawn::light || drawn == Drawn::transparent_light || drawn == Drawn::layers;
     set_opaque_state();
     if (drawn == Drawn::hidden_light) {
         glDepthFunc(GL_EQUAL);
@@ -289,8 +337,8 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
         place(object);
         for (const Mesh& mesh : object.meshes) {
             const bool blends = object.material_of(mesh).blends();
-            if (blends && (drawn == Drawn::hidden_depth || drawn == Drawn::hidden_light)) continue;
-            if (blends && drawn == Drawn::light) {
+            if (blends ? !shows_blended : drawn == Drawn::transparent_light) continue;
+            if (blends && drawn != Drawn::layers) {
                 const double distance_m = (object.bounds_of(mesh).center() - view.eye_world_m).norm();
                 blended.push_back({&object, &mesh, distance_m});
             } else {
@@ -300,18 +348,24 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
     }
     std::ranges::stable_sort(blended, std::greater<>(), &Blended::distance_m);
     if (!blended.empty()) set_blended_state();
+    // What shows through blurs as what it is.
+    if (drawn == Drawn::light && view.lens) glColorMaski(1, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     for (const Blended& next : blended) {
         place(*next.object);
         draw_mesh(program, view, *next.object, *next.mesh);
     }
+    if (drawn == Drawn::light && view.lens) glColorMaski(1, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     leave_state();
 }
 
 Program& SurfaceRenderer::light_program(const Environment& environment, const SurfaceView& view,
                                         const SurfaceShading& shading) {
-    Program& program =
-        shaders_.program({{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}});
+    ShaderDefines defines;
+    if (view.lens) defines["LENS"] = "1";
+    Program& program = shaders_.program(
+        {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}}, defines);
     program.use();
+    if (view.lens) set_lens(program, *view.lens);
     program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));
     environment.bind(program);
     program.set("surface_shadow_present", 0);
@@ -328,30 +382,62 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     const int samples = std::min(view.samples, current_gl_context()->info().max_samples);
     targets_->fit_color(view, samples);
     Program& program = light_program(environment, view, shading);
+    assert(!view.lens || samples == 1);
+    if (view.lens) Targets::fit(targets_->focused, targets_->color, targets_->depth);
     const Region region{0, 0, view.width, view.height};
-    const Framebuffer& target = samples > 1 ? targets_->multisampled : targets_->resolved;
+    const Framebuffer& target = view.lens     ? targets_->focused.target
+                                : samples > 1 ? targets_->multisampled
+                                              : targets_->resolved;
     target.bind(region);
     begin_clearing(region);
     target.clear_color(0, 0, 0, 0, 0);
+    if (view.lens) target.clear_color(1, 0, 0, 0, 0);
     target.clear_depth();
     glDisable(GL_SCISSOR_TEST);
-    draw_meshes(program, view, Drawn::light);
+    draw_meshes(program, view, view.lens && view.lens->parts_transparent ? Drawn::opaque_light : Drawn::light);
     if (samples > 1) target.resolve_color_to(targets_->resolved, region);
     return {.width = view.width,
             .height = view.height,
             .color = &targets_->color,
-            .depth_share = samples > 1 ? nullptr : &targets_->depth};
+            .depth_share = samples > 1 ? nullptr : &targets_->depth,
+            .focus_share = view.lens ? &targets_->focused.focus_share : nullptr};
+}
+
+SurfacePicture SurfaceRenderer::draw_transparent(const Environment& environment, const SurfaceView& view,
+                                                 const SurfaceShading& shading) {
+    assert(view.lens && targets_->depth && Targets::holds(targets_->color, view, 0));
+    const Texture2D& before = targets_->color;
+    if (!targets_->transparent_color || targets_->transparent_color.width() != before.width() ||
+        targets_->transparent_color.height() != before.height()) {
+        targets_->transparent_color = Texture2D(before.shape());
+    }
+    Targets::fit(targets_->transparent, targets_->transparent_color, targets_->depth);
+    Program& program = light_program(environment, view, shading);
+    const Region region{0, 0, view.width, view.height};
+    const Framebuffer& target = targets_->transparent.target;
+    target.bind(region);
+    begin_clearing(region);
+    target.clear_color(0, 0, 0, 0, 0);
+    target.clear_color(1, 0, 0, 0, 0);
+    glDisable(GL_SCISSOR_TEST);
+    draw_meshes(program, view, Drawn::transparent_light);
+    return {.width = view.width,
+            .height = view.height,
+            .color = &targets_->transparent_color,
+            .focus_share = &targets_->transparent.focus_share};
 }
 
 SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, const SurfaceView& view,
                                             const SurfaceShading& shading) {
     assert(targets_->depth && Targets::holds(targets_->color, view, 0));
     Targets::fit(targets_->hidden, view, Targets::color_format);
+    if (view.lens) Targets::fit(targets_->hidden_focused, targets_->hidden.color, targets_->hidden.depth);
     const Region region{0, 0, view.width, view.height};
-    const Framebuffer& target = targets_->hidden.target;
+    const Framebuffer& target = view.lens ? targets_->hidden_focused.target : targets_->hidden.target;
     target.bind(region);
     begin_clearing(region);
     target.clear_color(0, 0, 0, 0, 0);
+    if (view.lens) target.clear_color(1, 0, 0, 0, 0);
     target.clear_depth();
     glDisable(GL_SCISSOR_TEST);
     // First where it is, then how it looks: so that little of it is shaded in vain, for mostly little is hidden.
@@ -366,7 +452,8 @@ SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, cons
     return {.width = view.width,
             .height = view.height,
             .color = &targets_->hidden.color,
-            .depth_share = &targets_->hidden.depth};
+            .depth_share = &targets_->hidden.depth,
+            .focus_share = view.lens ? &targets_->hidden_focused.focus_share : nullptr};
 }
 
 SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 
 #include "gl/framebuffer.h"
 #include "gl/shader_library.h"
+#include "render/effects/depth_of_field.h"
 #include "render/environment.h"
 #include "scene/model.h"
 #include "scene/scene_file.h"
@@ -23,6 +25,24 @@ struct ObjectView {
     Eigen::Vector3d eye_world_m = Eigen::Vector3d::Zero();
 };
 
+/// An object that is blurred as if the lens were focused elsewhere, or not at all.
+struct ObjectFocus {
+    std::size_t object = 0;
+    std::optional<double> distance_m;  // absent: sharp
+};
+
+/// A lens that blurs the picture after it is drawn, where the depth alone does not tell how wide.
+struct SurfaceLens {
+    Focus focus;
+    CocRange range;                                           // what the blur is made for
+    Eigen::Vector3d right_world_m = Eigen::Vector3d::Zero();  // its diameter along the picture's x and y
+    Eigen::Vector3d down_world_m = Eigen::Vector3d::Zero();
+    double layer_density = 1;         // pixels along a plate pixel
+    bool focuses_reflections = true;  // at the depth of the virtual image; else at that of the surface
+    bool parts_transparent = false;   // draw() leaves blended meshes to draw_transparent()
+    std::span<const ObjectFocus> apart = {};
+};
+
 /// What one draw sees. `clip_from_world` is clip_from_camera (core/transforms.h) of the drawn region times
 /// camera_from_world: reversed z, y up, clip w = metres along the camera's z.
 struct SurfaceView {
@@ -31,6 +51,7 @@ struct SurfaceView {
     int width = 0, height = 0;  // pixels of the picture (of the supersampled one, if it is)
     int samples = 4;            // a pixel, for edges; 1 is none; more than the driver has becomes what it has
     std::span<const ObjectView> apart = {};
+    std::optional<SurfaceLens> lens = {};  // of draws without multisampling
 };
 
 /// Points into textures of the renderer that may be larger than the view and hold until its next draw: the picture is
@@ -40,6 +61,9 @@ struct SurfacePicture {
     const Texture2D* color = nullptr;  // premultiplied radiance in probe units, coverage in alpha; RGBA16F
     /// near_m / z, 0 where nothing opaque is: the depth buffer; null where the picture is multisampled.
     const Texture2D* depth_share = nullptr;
+    /// near_m / z of points that the lens would blur as much as what is seen, times their coverage; 0 where nothing
+    /// is. R32F; null unless the view has a lens.
+    const Texture2D* focus_share = nullptr;
     const Texture2D* depth_m = nullptr;    // along the camera's z, 0 where nothing is; R32F
     const Texture2D* normal = nullptr;     // world, unit length, w = 1; zero where nothing is; RGBA16F
     const Texture2D* object_id = nullptr;  // 0 where nothing is; R32UI
@@ -91,6 +115,7 @@ public:
     const Eigen::Matrix4d& world_from_model(std::size_t index) const;
     std::size_t object_count() const;
     bool any_reflects(ReflectionForm form) const;
+    bool any_blends() const;
 
     /// Box in world axes around an object, and around all of them (empty when there are none).
     Eigen::AlignedBox3d object_bounds_m(std::size_t index) const;
@@ -105,6 +130,9 @@ public:
     /// without multisampling.
     SurfacePicture draw_hidden(const Environment& environment, const SurfaceView& view,
                                const SurfaceShading& shading = {});
+    /// The blended meshes, before what draw() drew last, of the same view, which has a lens.
+    SurfacePicture draw_transparent(const Environment& environment, const SurfaceView& view,
+                                    const SurfaceShading& shading = {});
     /// Depth, normal and object id, one sample a pixel; the colour of the picture is null.
     SurfacePicture draw_layers(const SurfaceView& view);
 
@@ -131,7 +159,7 @@ private:
     struct Object;
     struct Targets;
 
-    enum class Drawn { light, hidden_depth, hidden_light, layers };
+    enum class Drawn { light, opaque_light, transparent_light, hidden_depth, hidden_light, layers };
     /// The program for light, with what it reads set.
     Program& light_program(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading);
     /// `place_more` sets what else a program needs of an object, by its index.

@@ -16,6 +16,7 @@ inline constexpr double near_plane_m = 0.01;
 struct VirtualLayer {
     SurfacePicture picture;                 // colour null where nothing is in view
     SurfacePicture hidden;                  // what the nearest surface hides; colour null unless asked for
+    SurfacePicture transparent;             // blended meshes; colour null where they are in `picture`
     double fx = 0, fy = 0, cx = 0, cy = 0;  // of its own pixels, centres at whole numbers
     int whole_density = 0;                  // of its pixels along a plate pixel where that is all of them, else 0
     Eigen::Vector2i first_pixel{0, 0};      // then: the plate pixel in its corner

@@ -33,6 +33,11 @@ void add_depth_of_field_settings(std::vector<Setting>& rows) {
          [](Scene& s, const SettingValue& v) { s.effects.depth_of_field->focus_object = v.text; }},
         {section, "lens_samples", between(integer, 1, 65536), "", "64", "points of the lens, of that level",
          [](Scene& s, const SettingValue& v) { s.effects.depth_of_field->lens_samples = static_cast<int>(v.integer); }},
+        {section, "reflections", one_of({"virtual_image", "surface"}), "", "\"virtual_image\"",
+         "where what mirrors show is in focus; lens_samples: always at its virtual image",
+         [](Scene& s, const SettingValue& v) {
+             s.effects.depth_of_field->reflections = static_cast<ReflectionFocus>(v.choice);
+         }},
         {section, "bokeh", of_kind(SettingKind::section), "", "", "the shape of out-of-focus discs", nullptr},
         {bokeh, "blades", between(integer, 0, 32), "", "0", "0: round",
          [](Scene& s, const SettingValue& v) { s.effects.depth_of_field->bokeh.blades = static_cast<int>(v.integer); }},

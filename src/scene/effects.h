@@ -124,6 +124,9 @@ struct BokehSettings {
 };
 
 /// A thin lens: what is not at the focus distance becomes a disc of the circle of confusion.
+// What a mirror shows is as far as its virtual image; or it is painted on the mirror. `lens_samples` sees the first.
+enum class ReflectionFocus { virtual_image, surface };
+
 struct DepthOfFieldSettings {
     DepthOfFieldLevel level = DepthOfFieldLevel::gather;
     // Instead of what the solve, or the scene's camera, says.
@@ -134,6 +137,7 @@ struct DepthOfFieldSettings {
     std::string focus_object = {};             // its name
     int lens_samples = 64;                     // of that level
     BokehSettings bokeh = {};
+    ReflectionFocus reflections = ReflectionFocus::virtual_image;
 
     void check() const;
 };

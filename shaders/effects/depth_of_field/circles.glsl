@@ -14,5 +14,5 @@ int class_of(float coc_px) {
     return coc_px < 0.0 ? -size : size;
 }
 
-// Sets of classes as bits of a whole number that a float holds.
+// Sets of classes as bits.
 uint bit_of(int which) { return 1u << (which + class_count); }

@@ -17,12 +17,13 @@ uniform int is_far;             // beyond the focus, where wider discs are farth
 uniform vec4 taps[TAPS];        // offset in texels, distance in units of the disc's radius; nearest first
 
 layout(location = 0) out vec4 light;      // premultiplied
-layout(location = 1) out float required;  // coverage that the discs' surroundings leave no doubt about
+layout(location = 1) out vec2 required;   // coverage that the discs' surroundings leave no doubt about: of all that is
+                                          // seen, and of this class with those next to it
 
 void main() {
     ivec2 texel = target_texel();
     light = vec4(0.0);
-    required = 0.0;
+    required = vec2(0.0);
     ivec2 tile = ivec2(floor(vec2(texel) / float(tile_texels)));
     float reach = 0.0;
     for (int y = -1; y <= 1; ++y)
@@ -30,19 +31,20 @@ void main() {
 
     ivec2 place = texel - discs_region.xy;
     float own = texelFetch(discs, place, 0).r;
-    float seen = 0.0, covered = 0.0;
+    float seen = 0.0;
+    vec2 covered = vec2(0.0);
     for (int i = 0; i < TAPS; ++i) {
         float distance = taps[i].z - 0.5;
         if (distance > reach) break;
         ivec2 there = place + ivec2(taps[i].xy);
-        vec2 disc = texelFetch(discs, there, 0).rg;
+        vec3 disc = texelFetch(discs, there, 0).rgb;
         // What is behind the texel's own surface shows no farther through it than that is blurred itself; a surface that
         // slants away is not behind itself.
         float radius = is_far != 0 && own > 0.0 ? min(disc.r, 1.25 * own) : disc.r;
         light += clamp(radius - distance, 0.0, 1.0) * texelFetch(light_share, there, 0);
         float share = clamp(own - distance, 0.0, 1.0);
         seen += share;
-        covered += share * disc.g;
+        covered += share * disc.gb;
     }
     // Behind a texel's own disc there is nothing empty where all that it spans is covered: what is missing there is
     // hidden from the picture, not absent.

@@ -13,6 +13,7 @@
 #endif
 
 flat in int is_last_of_tile;
+flat in int follows_next;
 
 uniform sampler2D nearer;           // what the target holds
 uniform sampler2D nearer_required;
@@ -21,7 +22,8 @@ uniform ivec4 light_behind_region;
 uniform sampler2D required_behind;
 
 layout(location = 0) out vec4 light;      // premultiplied; a = coverage
-layout(location = 1) out float required;  // coverage that the light is raised to, once all is in it
+layout(location = 1) out vec2 required;   // coverage that the light is raised to, r: once all is in it; g: once the
+                                          // next class is
 
 // Rounding of a full coverage is none to correct.
 const float rounding = 1e-4;
@@ -40,14 +42,24 @@ vec4 at_pixel(sampler2D source) {
 #endif
 }
 
+void require(float coverage) {
+    if (light.a > 0.0 && light.a < coverage) light *= coverage / light.a;
+}
+
 void main() {
     light = texelFetch(nearer, ivec2(gl_FragCoord.xy), 0);
-    required = texelFetch(nearer_required, ivec2(gl_FragCoord.xy), 0).r;
+    required = texelFetch(nearer_required, ivec2(gl_FragCoord.xy), 0).rg;
+    // Where a surface crosses from class to class their discs differ: together they cover it all the same, before what it
+    // hides shows through.
+    if (follows_next == 0) require(required.g);
     vec4 behind = at_pixel(light_behind);
     float left = 1.0 - light.a;
     light += behind.a > left + rounding ? behind * max(left, 0.0) / behind.a : behind;
+    if (follows_next != 0) require(required.g);
+    required.g = 0.0;
 #if CLASS_SCALE > 0
-    required = max(required, at_pixel(required_behind).r);
+    vec2 next = at_pixel(required_behind).rg;
+    required = vec2(max(required.r, next.r), next.g);
 #endif
-    if (is_last_of_tile != 0 && light.a > 0.0 && light.a < required) light *= required / light.a;
+    if (is_last_of_tile != 0) require(max(required.r, required.g));
 }

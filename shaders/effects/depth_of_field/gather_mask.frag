@@ -8,7 +8,7 @@ uniform sampler2D circles;      // gather_resolve.frag
 uniform ivec4 circles_region;
 uniform int tile_px;
 
-layout(location = 0) out float classes;
+layout(location = 0) out uint classes;
 
 void main() {
     ivec2 corner = target_texel() * tile_px - circles_region.xy;
@@ -23,5 +23,5 @@ void main() {
             if (seen.g != 0.0) found |= bit_of(class_of(seen.g));
         }
     }
-    classes = float(found);
+    classes = found;
 }

@@ -9,6 +9,8 @@
 uniform sampler2D layer_depth_share;    // near_m / z, 0 where nothing is
 uniform sampler2D hidden_layer;         // what is behind the nearest surface, as `layer`
 uniform sampler2D hidden_depth_share;
+uniform sampler2D transparent_layer;    // what lets light through, before `layer`
+uniform sampler2D transparent_depth_share;  // times coverage
 uniform float near_m;
 uniform float coc_scale_px_m;
 uniform float focus_per_m;              // 1 / focus distance
@@ -46,49 +48,94 @@ float drawn_circle(float widths, float weights, float magnification) {
     return sign(width) * max(abs(width) * magnification, least_coc_px);
 }
 
+#ifdef HIDDEN
+// Circles of about the same width on the same side.
+bool blur_alike(float one_px, float other_px) {
+    if (class_of(one_px) == class_of(other_px)) return true;
+    vec2 widths = abs(vec2(one_px, other_px));
+    return one_px * other_px > 0.0 && max(widths.x, widths.y) < 2.0 * min(widths.x, widths.y);
+}
+
+// Whether what a surface hides would mix with what is seen beside, as if it lay there, too: they blur alike, and what is
+// seen is rather the surface's own than what is hidden.
+bool mixes(float hidden_px, float surface_px, float beside_px) {
+    return blur_alike(hidden_px, beside_px) && abs(beside_px - surface_px) <= abs(beside_px - hidden_px);
+}
+
+// The same of what is seen within reach of the hidden disc, where the surface goes over into the next class.
+bool mixes_around(float hidden_px, float surface_px, ivec2 texel) {
+    if (abs(class_of(hidden_px) - class_of(surface_px)) != 1) return false;
+    int reach = int(ceil((0.5 * abs(hidden_px) + 1.0) * layer_density));
+    for (int i = 0; i < 4; ++i) {
+        ivec2 there = texel + reach * ivec2(i == 0 ? 1 : i == 1 ? -1 : 0, i == 2 ? 1 : i == 3 ? -1 : 0);
+        float depth_share = texelFetch(layer_depth_share, clamp(there, ivec2(0), layer_size - 1), 0).r;
+        if (depth_share != 0.0 && mixes(hidden_px, surface_px, signed_coc_px(depth_share))) return true;
+    }
+    return false;
+}
+#endif
+
 // Sums over the plate pixel; of the circles x of front, y of back.
 vec2 widths = vec2(0.0), weights = vec2(0.0);
-vec4 hidden_sharp = vec4(0.0);
 float coverage = 0.0;
 
-// Adds a layer pixel, of which the plate pixel takes `share`; from circles of `between` px on it is behind.
-void add_layer_pixel(ivec2 texel, float share, float depth_share, float between) {
-    vec4 seen = share * texelFetch(layer, texel, 0);
-    coverage += seen.a;
-    float coc_px = signed_coc_px(depth_share);
-    // Without a depth it is a surface that lets light through, over nothing else.
-    if (depth_share == 0.0 || is_sharp(coc_px)) {
-        sharp += seen;
+// Adds light of which `share` is blurred; from circles of `between` px on it is behind.
+void add_light(vec4 light, float share, float coc_px, float between) {
+    if (is_sharp(coc_px)) {
+        sharp += light;
     } else if (coc_px <= between) {
-        front += seen;
+        front += light;
         widths.x += share * coc_px;
         weights.x += share;
     } else {
-        back += seen;
+        back += light;
         widths.y += share * coc_px;
         weights.y += share;
     }
+}
+
+// Adds a layer pixel, of which the plate pixel takes `share`, among the circles of `range`.
+void add_layer_pixel(ivec2 texel, float share, float depth_share, vec2 range, float between) {
+    vec4 seen = share * texelFetch(layer, texel, 0);
+    // Without a depth it is a surface that lets light through, over nothing else.
+    float coc_px = depth_share == 0.0 ? 0.0 : signed_coc_px(depth_share);
+#ifdef TRANSPARENT
+    vec4 veil = texelFetch(transparent_layer, texel, 0);
+    coverage += share * veil.a * (1.0 - texelFetch(layer, texel, 0).a);
+    if (veil.a > 0.0) {
+        float veil_px = signed_coc_px(texelFetch(transparent_depth_share, texel, 0).r / veil.a);
+        // Where both blur alike, the one stays before the other; else the composition puts it there.
+        if (depth_share != 0.0 && class_of(veil_px) == class_of(coc_px)) seen = share * veil + (1.0 - veil.a) * seen;
+        else add_light(share * veil, share * veil.a, veil_px, between);
+    }
+    coverage += share * texelFetch(layer, texel, 0).a;
+#else
+    coverage += seen.a;
+#endif
+    add_light(seen, share, coc_px, between);
 #ifdef HIDDEN
     float hidden_share = texelFetch(hidden_depth_share, texel, 0).r;
     float hidden_px = signed_coc_px(hidden_share);
-    // What blurs as the surface before it would count twice together with it.
-    if (hidden_share == 0.0 || class_of(hidden_px) == class_of(coc_px)) return;
-    vec4 hidden = share * texelFetch(hidden_layer, texel, 0);
-    if (is_sharp(hidden_px)) {
-        hidden_sharp += hidden;
-    } else {
-        back += hidden;
-        widths.y += share * hidden_px;
-        weights.y += share;
-    }
+    if (hidden_share == 0.0 || mixes(hidden_px, coc_px, range.x) || mixes(hidden_px, coc_px, range.y) ||
+        mixes_around(hidden_px, coc_px, texel))
+        return;
+    // Behind what is seen, however they blur.
+    add_light(share * texelFetch(hidden_layer, texel, 0), share, hidden_px, -2.0 * largest_coc_px);
 #endif
 }
 
-// The least and the greatest circle of what has a depth.
-void extend(inout vec2 range, float depth_share) {
-    if (depth_share == 0.0) return;
-    float coc_px = signed_coc_px(depth_share);
-    range = vec2(min(range.x, coc_px), max(range.y, coc_px));
+// The least and the greatest circle of what has a depth, or lets light through.
+void extend(inout vec2 range, ivec2 texel, float depth_share) {
+    if (depth_share != 0.0) {
+        float coc_px = signed_coc_px(depth_share);
+        range = vec2(min(range.x, coc_px), max(range.y, coc_px));
+    }
+#ifdef TRANSPARENT
+    float veil = texelFetch(transparent_layer, texel, 0).a;
+    if (veil == 0.0) return;
+    float veil_px = signed_coc_px(texelFetch(transparent_depth_share, texel, 0).r / veil);
+    range = vec2(min(range.x, veil_px), max(range.y, veil_px));
+#endif
 }
 
 // Two surfaces meet in the pixel where circles differ by more than one surface's would.
@@ -105,11 +152,11 @@ void main() {
     float depth_shares[count];
     for (int i = 0; i < count; ++i) {
         depth_shares[i] = texelFetch(layer_depth_share, first + ivec2(i % LAYER_DENSITY, i / LAYER_DENSITY), 0).r;
-        extend(range, depth_shares[i]);
+        extend(range, first + ivec2(i % LAYER_DENSITY, i / LAYER_DENSITY), depth_shares[i]);
     }
     float between = between_surfaces(range);
     for (int i = 0; i < count; ++i)
-        add_layer_pixel(first + ivec2(i % LAYER_DENSITY, i / LAYER_DENSITY), 1.0, depth_shares[i], between);
+        add_layer_pixel(first + ivec2(i % LAYER_DENSITY, i / LAYER_DENSITY), 1.0, depth_shares[i], range, between);
     float whole = float(count);
 #else
     vec2 pixel = vec2(target_texel());
@@ -123,20 +170,19 @@ void main() {
     ivec2 first = max(ivec2(floor(low)), ivec2(0));
     ivec2 last = min(ivec2(ceil(high)), layer_size) - 1;
     for (int y = first.y; y <= last.y; ++y)
-        for (int x = first.x; x <= last.x; ++x) extend(range, texelFetch(layer_depth_share, ivec2(x, y), 0).r);
+        for (int x = first.x; x <= last.x; ++x)
+            extend(range, ivec2(x, y), texelFetch(layer_depth_share, ivec2(x, y), 0).r);
     float between = between_surfaces(range);
     for (int y = first.y; y <= last.y; ++y) {
         float height = min(high.y, float(y + 1)) - max(low.y, float(y));
         for (int x = first.x; x <= last.x; ++x) {
             float width = min(high.x, float(x + 1)) - max(low.x, float(x));
             float depth_share = texelFetch(layer_depth_share, ivec2(x, y), 0).r;
-            add_layer_pixel(ivec2(x, y), width * height, depth_share, between);
+            add_layer_pixel(ivec2(x, y), width * height, depth_share, range, between);
         }
     }
     float whole = footprint.x * footprint.y;
 #endif
-    // Where a surface comes into focus within the pixel, what is behind it would take the place of its sharp part.
-    if (sharp.a == 0.0) sharp += hidden_sharp;
     sharp /= whole;
     front /= whole;
     back /= whole;

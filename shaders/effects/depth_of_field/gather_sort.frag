@@ -19,35 +19,38 @@ uniform float kernel_step;      // texels from entry to entry
 uniform int kernel_row;
 
 layout(location = 0) out vec4 light_share;  // premultiplied light and coverage, over the disc's texels
-layout(location = 1) out vec2 disc;         // r: radius of the disc in texels, 0 where there is none; g: coverage of all
-                                            // that the texel shows, whatever its class
+layout(location = 1) out vec3 disc;         // r: radius of the disc in texels, 0 where there is none; coverage of what the
+                                            // texel shows, g: whatever its class, b: of classes next to its own
+
+// Whether a surface may cross from the one class into the other.
+bool is_next(float coc_px) { return abs(class_of(coc_px) - own_class) <= 1; }
 
 void main() {
     ivec2 corner = target_texel() * texel_px - circles_region.xy;
     vec4 sum = vec4(0.0);
-    float coverage = 0.0, widths = 0.0, weights = 0.0;
+    float coverage = 0.0, next_coverage = 0.0, widths = 0.0, weights = 0.0;
     for (int y = 0; y < texel_px; ++y) {
         for (int x = 0; x < texel_px; ++x) {
             ivec2 pixel = corner + ivec2(x, y);
             vec3 seen = fetch_or_zero(circles, ivec4(0, 0, circles_region.zw), pixel).rgb;
             coverage += seen.b;
-            if (seen.r != 0.0 && class_of(seen.r) == own_class) {
-                vec4 light = texelFetch(front, pixel, 0);
+            float sharp_coverage = seen.b;
+            for (int i = 0; i < 2; ++i) {
+                if (seen[i] == 0.0) continue;
+                vec4 light = i == 0 ? texelFetch(front, pixel, 0) : texelFetch(back, pixel, 0);
+                sharp_coverage -= light.a;
+                if (is_next(seen[i])) next_coverage += light.a;
+                if (class_of(seen[i]) != own_class) continue;
                 sum += light;
-                widths += light.a * abs(seen.r);
+                widths += light.a * abs(seen[i]);
                 weights += light.a;
             }
-            if (seen.g != 0.0 && class_of(seen.g) == own_class) {
-                vec4 light = texelFetch(back, pixel, 0);
-                sum += light;
-                widths += light.a * abs(seen.g);
-                weights += light.a;
-            }
+            if (abs(own_class) == 1) next_coverage += max(sharp_coverage, 0.0);
         }
     }
     float whole = float(texel_px * texel_px);
     light_share = vec4(0.0);
-    disc = vec2(0.0, coverage / whole);
+    disc = vec3(0.0, vec2(coverage, min(next_coverage, coverage)) / whole);
     if (weights <= 0.0) return;
     float radius = 0.5 * widths / weights / float(texel_px);
     float place = clamp(radius / kernel_step, 0.0, float(textureSize(kernels, 0).x - 1));

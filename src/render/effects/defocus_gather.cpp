@@ -31,13 +31,14 @@ int class_of(double coc_px, double first_class_px) {
     return 2 + static_cast<int>(std::floor(std::log2(width / first_class_px)));
 }
 
-int texel_px_of(int own_class) {
-    return own_class == 0 ? 1 : 1 << (std::abs(own_class) - 1);
+int texel_px_of(int own_class, const GatherKnobs& knobs) {
+    return 1 << std::max(std::abs(own_class) - knobs.fine_classes, 0);
 }
 
-/// Radius of the widest disc of any class, drawn; the narrowest class' texels are plate pixels.
-double widest_disc_texels(const GatherKnobs& knobs) {
-    return most_magnification * knobs.first_class_px / 2;
+/// Radius of the widest disc of a class, drawn.
+double widest_disc_texels(int own_class, const GatherKnobs& knobs) {
+    const double widest_px = std::ldexp(knobs.first_class_px, std::abs(own_class) - 1);
+    return most_magnification * widest_px / texel_px_of(own_class, knobs) / 2;
 }
 
 struct ClassPicture {
@@ -51,16 +52,18 @@ struct ClassPicture {
 void GatherKnobs::check() const {
     if (!(first_class_px >= 2 && first_class_px <= 16))
         throw std::invalid_argument(fmt::format("gather first_class_px is {}, not from 2 to 16", first_class_px));
+    if (!(fine_classes >= 1 && fine_classes <= 4))
+        throw std::invalid_argument(fmt::format("gather fine_classes is {}, not from 1 to 4", fine_classes));
 }
 
 GatherKnobs gather_knobs(QualityLevel quality) {
     switch (quality) {
         case QualityLevel::draft:
-            return {.first_class_px = 4, .hidden = false};
+            return {.fine_classes = 1, .hidden = false};
         case QualityLevel::preview:
-            return {.first_class_px = 10, .hidden = true};
+            return {.first_class_px = 5, .fine_classes = 2};
         case QualityLevel::reference:
-            return {.first_class_px = 16, .hidden = true, .full_float = true};
+            return {.full_float = true};
         case QualityLevel::final_:
             break;
     }
@@ -75,11 +78,11 @@ double widest_gathered_coc_px(int frame_width, int frame_height) {
 
 double gathered_reach_px(double coc_px, const GatherKnobs& knobs) {
     const int own_class = class_of(coc_px, knobs.first_class_px);
-    if (own_class <= 1) return coc_px / 2;
+    if (own_class <= knobs.fine_classes) return coc_px / 2;
     // From a pixel to the middle of its texel, from the last texel that the disc covers in part to where the next one's
     // share ends.
     constexpr double resampled_texels = 0.5 + 1.5;
-    return coc_px / 2 + resampled_texels * texel_px_of(own_class);
+    return coc_px / 2 + resampled_texels * texel_px_of(own_class, knobs);
 }
 
 class GatherDefocus::Passes {
@@ -108,8 +111,10 @@ private:
         return class_of(std::clamp(coc_px, -largest_px_, largest_px_), knobs_.first_class_px);
     }
     /// How far a texel's light can go, and a texel for who magnifies the class.
-    int reach_texels() const { return static_cast<int>(std::ceil(widest_disc_texels(knobs_))) + 2; }
-    int reach_px(int own_class) const { return (reach_texels() + 2) * texel_px_of(own_class); }
+    int reach_texels(int own_class) const {
+        return static_cast<int>(std::ceil(widest_disc_texels(own_class, knobs_))) + 2;
+    }
+    int reach_px(int own_class) const { return (reach_texels(own_class) + 2) * texel_px_of(own_class, knobs_); }
 
     void set_classes(Program& program) const {
         program.set("least_coc_px", least_coc_px);
@@ -129,6 +134,7 @@ private:
              .draw = [this_ = *this](PassRun& run) {
                  ShaderDefines defines = this_.input_.layer_defines;
                  if (this_.knobs_.hidden) defines["HIDDEN"] = "1";
+                 if (this_.input_.has_transparent) defines["TRANSPARENT"] = "1";
                  Program& program = this_.shaders_.full_screen("effects/depth_of_field/gather_resolve.frag", defines);
                  program.use();
                  this_.input_.bind_layer(program);
@@ -154,7 +160,7 @@ private:
         const auto add_tile_pass = [&](const char* name, GraphTexture source, std::function<void(PassRun&)> draw) {
             return graph_.add_pass({.name = name,
                                     .reads = {{source}},
-                                    .writes = {GL_R32F},
+                                    .writes = {GL_R32UI},
                                     .scale = mask_tile_px,
                                     .region = tiles,
                                     .beyond_frame = true,
@@ -207,17 +213,16 @@ private:
     }
 
     ClassPicture add_class(int own_class) {
-        const int texel_px = texel_px_of(own_class);
+        const int texel_px = texel_px_of(own_class, knobs_);
         const std::string name = fmt::format("defocus/{} {}", own_class < 0 ? "near" : "far", std::abs(own_class));
         const Region target = texels_of(input_.region, texel_px).grown(1);
         const GLenum wide = knobs_.full_float ? GL_RGBA32F : GL_RGBA16F;
-        const GLenum narrow = knobs_.full_float ? GL_RG32F : GL_RG16F;
         const std::vector<GraphTexture> sorted = graph_.add_pass(
             {.name = name + " sorted",
              .reads = {{front_}, {back_}, {circles_}, {reached_}},
-             .writes = {wide, narrow},
+             .writes = {wide, wide},
              .scale = texel_px,
-             .region = target.grown(reach_texels()),
+             .region = target.grown(reach_texels(own_class)),
              .beyond_frame = true,
              .draw = [this_ = *this, own_class, texel_px](PassRun& run) {
                  clear(run, 2);
@@ -254,14 +259,14 @@ private:
                                  run.draw(program);
                              }})[0];
         std::vector<Eigen::Vector4f> taps;
-        for (const DiscTap& tap : disc_taps(input_.bokeh, widest_disc_texels(knobs_), own_class < 0)) {
+        for (const DiscTap& tap : disc_taps(input_.bokeh, widest_disc_texels(own_class, knobs_), own_class < 0)) {
             taps.emplace_back(static_cast<float>(tap.offset.x()), static_cast<float>(tap.offset.y()),
                               static_cast<float>(tap.distance), 0.0F);
         }
         const std::vector<GraphTexture> gathered = graph_.add_pass(
             {.name = name,
              .reads = {{sorted[0]}, {discs}, {widest}, {reached_}},
-             .writes = {wide, GL_R16F},
+             .writes = {wide, GL_RG16F},
              .scale = texel_px,
              .region = target,
              .beyond_frame = true,
@@ -286,7 +291,7 @@ private:
         all.push_back({.light = sharp_, .required = {}, .own_class = 0, .scale = 0});
         all.insert(all.end(), beyond.begin(), beyond.end());
         GraphPass pass{
-            .name = "defocus/over", .reads = {{reached_}}, .writes = {GL_RGBA32F, GL_R16F}, .region = input_.region};
+            .name = "defocus/over", .reads = {{reached_}}, .writes = {GL_RGBA32F, GL_RG16F}, .region = input_.region};
         for (const ClassPicture& one : all) pass.reads.insert(pass.reads.end(), {{one.light}, {one.required}});
         pass.draw = [this_ = *this, all](PassRun& run) {
             clear(run, 2);
@@ -326,7 +331,7 @@ private:
 
 GraphTexture GatherDefocus::add(RenderGraph& graph, const GatherInput& input, const GatherKnobs& knobs) {
     knobs.check();
-    const double radius = widest_disc_texels(knobs);
+    const double radius = widest_disc_texels(knobs.fine_classes, knobs);
     constexpr int rows = 16;  // texels of 2^15 pixels: wider than any frame
     if (!discs_ || discs_radius_ != radius || discs_bokeh_ != input.bokeh) {
         const ImageF table = disc_table(input.bokeh, radius, disc_step_texels, rows);

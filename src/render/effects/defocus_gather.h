@@ -22,9 +22,10 @@ namespace matchlight {
 
 /// What trades error for time.
 struct GatherKnobs {
-    double first_class_px = 16;  // circles narrower than this are gathered at full resolution, from 2
-    bool hidden = true;          // draw what the nearest surface hides
-    bool full_float = false;     // textures of 32 bits a channel instead of 16
+    double first_class_px = 4;  // circles narrower than this are one class, from 2 to 16
+    int fine_classes = 3;       // so many are gathered at full resolution, from 1 to 4; then texels double, too
+    bool hidden = true;         // draw what the nearest surface hides
+    bool full_float = false;    // textures of 32 bits a channel instead of 16
 
     /// Throws std::invalid_argument naming what is out of range.
     void check() const;
@@ -36,6 +37,7 @@ struct GatherInput {
     std::function<void(Program&)> bind_layer;  // uniforms of common/lens_map.glsl, composite/layer.glsl and
                                                // effects/depth_of_field/gather_resolve.frag but for those of the focus
     ShaderDefines layer_defines;               // of composite/layer.glsl
+    bool has_transparent = false;              // what lets light through is a layer of its own
     Region region;                             // plate pixels that the blurred layer can reach
     double layer_density = 1;                  // layer pixels along a plate pixel
     Focus focus;
