@@ -15,7 +15,11 @@ namespace matchlight {
 
 namespace {
 
+/// Of a picture through a lens that bends, more in one place than in another.
+constexpr double most_magnification = 1.25;
+
 GraphTexture add_gather(RenderGraph& graph, const LayerEffectInput& input, const FrameDefocus& defocus) {
+    const bool is_straight = input.input.layer != nullptr && input.input.layer->whole_density > 0;
     return input.gather.add(graph,
                             {.layer_drawn = input.input.layer_drawn,
                              .bind_layer = [&composite = input.composite, layer = input.input](
@@ -24,6 +28,7 @@ GraphTexture add_gather(RenderGraph& graph, const LayerEffectInput& input, const
                              .has_transparent = input.parts_transparent,
                              .region = input.objects,
                              .layer_density = input.layer_density,
+                             .magnification = is_straight ? 1 : most_magnification,
                              .focus = input.input.optics.focus,
                              .range = defocus.objects,
                              .bokeh = defocus.settings.bokeh},

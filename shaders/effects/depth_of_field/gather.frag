@@ -15,6 +15,7 @@ uniform ivec4 widest_region;
 uniform int tile_texels;
 uniform int is_far;             // beyond the focus, where wider discs are farther away
 uniform vec4 taps[TAPS];        // offset in texels, distance in units of the disc's radius; nearest first
+uniform int tap_count;          // TAPS, not known beforehand: an unrolled loop would not end early
 
 layout(location = 0) out vec4 light;      // premultiplied
 layout(location = 1) out vec2 required;   // coverage that the discs' surroundings leave no doubt about: of all that is
@@ -33,7 +34,7 @@ void main() {
     float own = texelFetch(discs, place, 0).r;
     float seen = 0.0;
     vec2 covered = vec2(0.0);
-    for (int i = 0; i < TAPS; ++i) {
+    for (int i = 0; i < tap_count; ++i) {
         float distance = taps[i].z - 0.5;
         if (distance > reach) break;
         ivec2 there = place + ivec2(taps[i].xy);

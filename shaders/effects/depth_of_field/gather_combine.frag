@@ -12,18 +12,21 @@
 #define CLASS_SCALE 1
 #endif
 
+#ifndef ALONE  // in its tile: nothing is nearer, and nothing farther
 flat in int is_last_of_tile;
 flat in int follows_next;
-
 uniform sampler2D nearer;           // what the target holds
 uniform sampler2D nearer_required;
+#endif
 uniform sampler2D light_behind;     // gather.frag, or `sharp` of gather_resolve.frag; reaches beyond the target
 uniform ivec4 light_behind_region;
 uniform sampler2D required_behind;
 
 layout(location = 0) out vec4 light;      // premultiplied; a = coverage
+#ifndef ALONE
 layout(location = 1) out vec2 required;   // coverage that the light is raised to, r: once all is in it; g: once the
                                           // next class is
+#endif
 
 // Rounding of a full coverage is none to correct.
 const float rounding = 1e-4;
@@ -47,19 +50,24 @@ void require(float coverage) {
 }
 
 void main() {
+    vec4 behind = at_pixel(light_behind);
+    vec2 required_of_class = vec2(0.0);
+#if CLASS_SCALE > 0
+    required_of_class = at_pixel(required_behind).rg;
+#endif
+#ifdef ALONE
+    light = behind;
+    require(max(required_of_class.r, required_of_class.g));
+#else
     light = texelFetch(nearer, ivec2(gl_FragCoord.xy), 0);
     required = texelFetch(nearer_required, ivec2(gl_FragCoord.xy), 0).rg;
     // Where a surface crosses from class to class their discs differ: together they cover it all the same, before what it
     // hides shows through.
     if (follows_next == 0) require(required.g);
-    vec4 behind = at_pixel(light_behind);
     float left = 1.0 - light.a;
     light += behind.a > left + rounding ? behind * max(left, 0.0) / behind.a : behind;
     if (follows_next != 0) require(required.g);
-    required.g = 0.0;
-#if CLASS_SCALE > 0
-    vec2 next = at_pixel(required_behind).rg;
-    required = vec2(max(required.r, next.r), next.g);
-#endif
+    required = vec2(max(required.r, required_of_class.r), required_of_class.g);
     if (is_last_of_tile != 0) require(max(required.r, required.g));
+#endif
 }

@@ -4,6 +4,7 @@
 uniform usampler2D reached;       // gather_reach.frag
 uniform ivec4 reached_region;
 uniform uint wanted_bit;
+uniform int wanted_company;       // 0: wherever the class is; 1: where it is alone; 2: where others reach, too
 uniform int quad_texels;          // of the target, along a tile
 uniform ivec4 target_region;
 
@@ -15,8 +16,9 @@ void main() {
     uint bits = texelFetch(reached, place, 0).r;
     ivec2 corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1);
     vec2 texel = vec2((reached_region.xy + place + corner) * quad_texels - target_region.xy);
+    bool wanted = (bits & wanted_bit) != 0u && (wanted_company == 0 || (bits == wanted_bit) == (wanted_company == 1));
     // All corners in one point: no area.
-    if ((bits & wanted_bit) == 0u) texel = vec2(0.0);
+    if (!wanted) texel = vec2(0.0);
     // Classes are bits from the nearest to the farthest.
     is_last_of_tile = bits < 2u * wanted_bit ? 1 : 0;
     follows_next = (bits & (wanted_bit >> 1)) != 0u ? 1 : 0;

@@ -20,8 +20,6 @@ constexpr int tile_texels = 8;
 /// After those of any pass.
 constexpr GLuint tile_unit = 15;
 constexpr double disc_step_texels = 1.0 / 16;
-/// Lenses bend: a disc may be drawn this much larger than a straight lens has it.
-constexpr double most_magnification = 1.25;
 
 /// 0: sharp; 1: narrower than the first class; then doubling (circles.glsl).
 int class_of(double coc_px, double first_class_px) {
@@ -36,9 +34,9 @@ int texel_px_of(int own_class, const GatherKnobs& knobs) {
 }
 
 /// Radius of the widest disc of a class, drawn.
-double widest_disc_texels(int own_class, const GatherKnobs& knobs) {
+double widest_disc_texels(int own_class, const GatherInput& input, const GatherKnobs& knobs) {
     const double widest_px = std::ldexp(knobs.first_class_px, std::abs(own_class) - 1);
-    return most_magnification * widest_px / texel_px_of(own_class, knobs) / 2;
+    return input.magnification * widest_px / texel_px_of(own_class, knobs) / 2;
 }
 
 struct ClassPicture {
@@ -112,7 +110,7 @@ private:
     }
     /// How far a texel's light can go, and a texel for who magnifies the class.
     int reach_texels(int own_class) const {
-        return static_cast<int>(std::ceil(widest_disc_texels(own_class, knobs_))) + 2;
+        return static_cast<int>(std::ceil(widest_disc_texels(own_class, input_, knobs_))) + 2;
     }
     int reach_px(int own_class) const { return (reach_texels(own_class) + 2) * texel_px_of(own_class, knobs_); }
 
@@ -190,9 +188,12 @@ private:
         }
     }
 
+    /// Of a class with others in its tile.
+    enum class Company { any, alone, others };
+
     /// Draws where the class reaches, and nothing elsewhere.
     void draw_reached(PassRun& run, const std::string& fragment_file, const ShaderDefines& defines, int own_class,
-                      const std::function<void(Program&)>& set) const {
+                      const std::function<void(Program&)>& set, Company company = Company::any) const {
         // Tiles of whole texels, or, of coarser ones, everything: there is little of it.
         const bool by_tiles = run.scale() <= mask_tile_px;
         Program& program = by_tiles ? shaders_.program({{GL_VERTEX_SHADER, "effects/depth_of_field/gather_tile.vert"},
@@ -204,6 +205,7 @@ private:
         if (!by_tiles) return run.draw(program);
         run.bind(program, "reached", tile_unit, reached_);
         program.set("wanted_bit", 1U << static_cast<unsigned>(own_class + class_count_));
+        program.set("wanted_company", static_cast<int>(company));
         program.set("quad_texels", mask_tile_px / run.scale());
         const Region& tiles = graph_.shape(reached_).region;
         run.draw_quads(program, tiles.width * tiles.height);
@@ -259,7 +261,8 @@ private:
                                  run.draw(program);
                              }})[0];
         std::vector<Eigen::Vector4f> taps;
-        for (const DiscTap& tap : disc_taps(input_.bokeh, widest_disc_texels(own_class, knobs_), own_class < 0)) {
+        for (const DiscTap& tap :
+             disc_taps(input_.bokeh, widest_disc_texels(own_class, input_, knobs_), own_class < 0)) {
             taps.emplace_back(static_cast<float>(tap.offset.x()), static_cast<float>(tap.offset.y()),
                               static_cast<float>(tap.distance), 0.0F);
         }
@@ -280,6 +283,7 @@ private:
                                         program.set("tile_texels", tile_texels);
                                         program.set("is_far", own_class > 0);
                                         program.set("taps", std::span<const Eigen::Vector4f>(taps));
+                                        program.set("tap_count", static_cast<int>(taps.size()));
                                     });
              }});
         return {gathered[0], gathered[1], own_class, texel_px};
@@ -296,16 +300,20 @@ private:
         pass.draw = [this_ = *this, all](PassRun& run) {
             clear(run, 2);
             for (const ClassPicture& one : all) {
+                ShaderDefines defines{{"CLASS_SCALE", fmt::format("{}", one.scale)}};
+                const auto set = [&](Program& program) {
+                    run.bind(program, "light_behind", 0, one.light);
+                    run.bind(program, "required_behind", 1, one.required);
+                    program.bind_texture("nearer", 2, run.written(0));
+                    program.bind_texture("nearer_required", 3, run.written(1));
+                };
                 // Each class reads in its place what those before it wrote there.
                 glTextureBarrier();
-                this_.draw_reached(run, "effects/depth_of_field/gather_combine.frag",
-                                   {{"CLASS_SCALE", fmt::format("{}", one.scale)}}, one.own_class,
-                                   [&](Program& program) {
-                                       program.bind_texture("nearer", 0, run.written(0));
-                                       program.bind_texture("nearer_required", 1, run.written(1));
-                                       run.bind(program, "light_behind", 2, one.light);
-                                       run.bind(program, "required_behind", 3, one.required);
-                                   });
+                this_.draw_reached(run, "effects/depth_of_field/gather_combine.frag", defines, one.own_class, set,
+                                   Company::others);
+                defines["ALONE"] = "1";
+                this_.draw_reached(run, "effects/depth_of_field/gather_combine.frag", defines, one.own_class, set,
+                                   Company::alone);
             }
         };
         return graph_.add_pass(std::move(pass))[0];
@@ -331,7 +339,7 @@ private:
 
 GraphTexture GatherDefocus::add(RenderGraph& graph, const GatherInput& input, const GatherKnobs& knobs) {
     knobs.check();
-    const double radius = widest_disc_texels(knobs.fine_classes, knobs);
+    const double radius = widest_disc_texels(knobs.fine_classes, input, knobs);
     constexpr int rows = 16;  // texels of 2^15 pixels: wider than any frame
     if (!discs_ || discs_radius_ != radius || discs_bokeh_ != input.bokeh) {
         const ImageF table = disc_table(input.bokeh, radius, disc_step_texels, rows);

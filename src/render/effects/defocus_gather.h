@@ -40,6 +40,7 @@ struct GatherInput {
     bool has_transparent = false;              // what lets light through is a layer of its own
     Region region;                             // plate pixels that the blurred layer can reach
     double layer_density = 1;                  // layer pixels along a plate pixel
+    double magnification = 1;                  // a disc may be drawn this much larger: lenses bend
     Focus focus;
     CocRange range;
     BokehSettings bokeh;
