@@ -1,5 +1,5 @@
 #version 450 core
-// The probe as skydome: the mean of the lat-long image over what a pixel sees of it.
+// The probe as skydome: the mean of the lat-long image over what a pixel, or a texel of several, sees of it.
 //
 // Taps along the longer axis of the pixel's footprint, at the level of detail of the shorter one (McCormack et al. 1999,
 // "Feline: fast elliptical lines for anisotropic texture mapping", with equal weights): near the poles a pixel spans
@@ -11,6 +11,8 @@ uniform sampler2D source;         // lat-long, scene-linear; each level the mean
 uniform vec4 intrinsics;          // fx, fy, cx, cy
 uniform mat3 world_from_camera;
 uniform vec3 gain;
+uniform int texel_px;             // pixels along a side of what is drawn
+uniform int samples;              // along it
 
 layout(location = 0) out vec4 light;
 
@@ -50,32 +52,39 @@ vec2 step_between(vec2 from, vec2 to) {
     return way;
 }
 
-void main() {
-    vec2 pixel = vec2(target_texel());
+// Over a square of `side` pixels.
+vec3 mean_light(vec2 pixel, float side) {
     vec2 uv = uv_of_pixel(pixel);
     vec2 size = vec2(textureSize(source, 0));
-    vec2 along_x = step_between(uv, uv_of_pixel(pixel + vec2(1.0, 0.0)));
-    vec2 along_y = step_between(uv, uv_of_pixel(pixel + vec2(0.0, 1.0)));
+    vec2 along_x = step_between(uv, uv_of_pixel(pixel + vec2(side, 0.0)));
+    vec2 along_y = step_between(uv, uv_of_pixel(pixel + vec2(0.0, side)));
     float x_texels = length(along_x * size), y_texels = length(along_y * size);
     bool x_is_longer = x_texels > y_texels;
     vec2 along = x_is_longer ? along_x : along_y;
     vec2 across = x_is_longer ? along_y : along_x;
     float longer = max(x_texels, y_texels), shorter = min(x_texels, y_texels);
+    if (longer <= 1.0) return bilinear(uv, 0);
+    int taps = int(min(ceil(longer / max(shorter, 1.0)), float(most_taps)));
+    float level = log2(max(longer / float(taps), 1.0));
+    // Three taps for every texel of the level, both ways: then hardly any light falls between them.
+    const int density = 3;
+    int count = density * taps;
     vec3 sum = vec3(0.0);
-    if (longer <= 1.0) {
-        sum = bilinear(uv, 0);
-    } else {
-        int taps = int(min(ceil(longer / max(shorter, 1.0)), float(most_taps)));
-        float level = log2(max(longer / float(taps), 1.0));
-        // Three taps for every texel of the level, both ways: then hardly any light falls between them.
-        const int density = 3;
-        int count = density * taps;
-        for (int i = 0; i < density * count; ++i) {
-            float a = (float(i / density) + 0.5) / float(count) - 0.5;
-            float b = (float(i % density) + 0.5) / float(density) - 0.5;
-            sum += at_level(uv + a * along + b * across, level);
-        }
-        sum /= float(density * count);
+    for (int i = 0; i < density * count; ++i) {
+        float a = (float(i / density) + 0.5) / float(count) - 0.5;
+        float b = (float(i % density) + 0.5) / float(density) - 0.5;
+        sum += at_level(uv + a * along + b * across, level);
     }
-    light = vec4(sum * gain, 0.0);
+    return sum / float(density * count);
+}
+
+void main() {
+    vec2 texel = vec2(target_texel());
+    float side = float(texel_px) / float(samples);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < samples * samples; ++i) {
+        vec2 within = (vec2(i % samples, i / samples) + 0.5) * side;
+        sum += mean_light(texel * float(texel_px) + within - 0.5, side);
+    }
+    light = vec4(sum / float(samples * samples) * gain, 0.0);
 }

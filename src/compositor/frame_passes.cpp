@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/parallel.h"
 #include "render/effects/bokeh.h"
@@ -219,8 +220,8 @@ SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeV
             camera_from_world = effects.motion->shutter.camera_from_world(time);
             resources_.objects.place(effects.motion->shutter.time(time));
         }
-        // The picture shows the opening as light from beyond the focus does: turned by 180°.
-        const Eigen::Vector2d on_lens_m = -opening_radius_m * points[i];
+        // Light from beyond the focus shows the opening upright (render/effects/bokeh.h).
+        const Eigen::Vector2d on_lens_m = opening_radius_m * points[i];
         RigidTransform lens_from_camera = RigidTransform::Identity();
         lens_from_camera.translation() = Eigen::Vector3d(-on_lens_m.x(), -on_lens_m.y(), 0);
         const RigidTransform lens_from_world = lens_from_camera * camera_from_world;
@@ -304,7 +305,26 @@ GraphTexture FramePasses::add_background() {
                                        .cx = camera.cx,
                                        .cy = camera.cy,
                                        .camera_from_world = plan_.optics.camera_from_world,
-                                       .gain = plan_.optics.gain});
+                                       .gain = plan_.optics.gain,
+                                       .defocus = background_disc()});
+}
+
+std::optional<EvenDisc> FramePasses::background_disc() {
+    const std::optional<DepthOfFieldSettings>& settings = resources_.effects.settings().depth_of_field;
+    if (!settings) return std::nullopt;
+    RenderGraph& graph = resources_.graph;
+    const auto leave_out = [&](const char* why) {
+        graph.leave_out("background defocus", why);
+        return std::nullopt;
+    };
+    if (!resources_.background->can_blur()) return leave_out("even colours have no edges, and pictures their own blur");
+    const double coc_px = signed_coc_px(plan_.optics.focus, std::numeric_limits<double>::infinity());
+    if (coc_px < least_coc_px && graph.leaves_out())
+        return leave_out("what is infinitely far away has no circle of confusion of a quarter pixel");
+    // What is drawn from points of the lens sees the same background, at its finest.
+    const bool exact = settings->level == DepthOfFieldLevel::lens_samples;
+    return even_disc(settings->bokeh, coc_px, graph.frame(),
+                     background_defocus_knobs(exact ? QualityLevel::reference : resources_.quality.depth_of_field));
 }
 
 void FramePasses::begin(bool layers) {

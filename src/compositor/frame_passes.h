@@ -88,6 +88,8 @@ private:
     /// Reads code values back as the result's picture.
     void take_picture(CompositedFrame& result, GraphTexture code, const std::vector<Region>& runs) const;
     GraphTexture add_background();
+    /// Of what is infinitely far away; nullopt where it is sharp.
+    std::optional<EvenDisc> background_disc();
     /// Without effects or layers: code values in one pass.
     void composite_code(CompositedFrame& result);
     /// Light first, then what spills, then code values: with effects or layers.

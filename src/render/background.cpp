@@ -65,14 +65,22 @@ Background::Background(const BackgroundSettings& settings, const Probe& probe, i
 }
 
 GraphTexture Background::add(RenderGraph& graph, ShaderLibrary& shaders, const BackgroundView& view) const {
-    const Region frame{0, 0, view.width, view.height};
+    if (!view.defocus || !can_blur()) return add_part(graph, shaders, view, {0, 0, view.width, view.height}, 1);
+    return add_background_defocus(
+        graph, shaders,
+        [&](const Region& texels, int texel_px) { return add_part(graph, shaders, view, texels, texel_px); },
+        *view.defocus);
+}
+
+GraphTexture Background::add_part(RenderGraph& graph, ShaderLibrary& shaders, const BackgroundView& view,
+                                  const Region& texels, int texel_px) const {
     return graph.add_pass(
         {.name = "background",
-         .reads = {},
          .writes = {GL_RGBA32F},
-         .provides = {},
-         .region = frame,
-         .draw = [this, &shaders, view](PassRun& run) {
+         .scale = texel_px,
+         .region = texels,
+         .beyond_frame = true,
+         .draw = [this, &shaders, view, texel_px](PassRun& run) {
              const Eigen::Vector3f gain = view.gain.cast<float>();
              if (!sky_ && !image_) {
                  const Eigen::Vector3f light = view.gain.cwiseProduct(color_).cast<float>();
@@ -83,6 +91,11 @@ GraphTexture Background::add(RenderGraph& graph, ShaderLibrary& shaders, const B
              program.use();
              program.bind_texture("source", 0, sky_ ? sky_ : image_);
              program.set("gain", gain);
+             // Each pixel as it is drawn sharp, so that blurred light is the sharp picture's; of the widest discs'
+             // texels not every one.
+             constexpr int most_samples = 16;
+             program.set("texel_px", texel_px);
+             program.set("samples", std::min(texel_px, most_samples));
              program.set("intrinsics",
                          Eigen::Vector4f(Eigen::Vector4d(view.fx, view.fy, view.cx, view.cy).cast<float>()));
              program.set("world_from_camera",

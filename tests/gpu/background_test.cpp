@@ -1,6 +1,7 @@
 // The background of scenes without footage: what a pixel shows is the mean of the light it sees.
 #include "render/background.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -12,6 +13,7 @@
 #include "core/transfer.h"
 #include "gl_fixture.h"
 #include "media/image_io.h"
+#include "render/effects/bokeh.h"
 #include "render_scene.h"
 
 namespace matchlight {
@@ -164,6 +166,111 @@ TEST_F(BackgroundTest, ShowsAPictureAsItIs) {
 TEST_F(BackgroundTest, IsBlackWithoutSettings) {
     const BackgroundView view = view_towards(Eigen::Vector3d::UnitX(), 1, 40);
     EXPECT_EQ(draw(Background({}, {}, 1, 1, warnings_), view).at(0, 0, 1), 0);
+}
+
+EvenDisc disc_of(const BackgroundView& view, const BokehSettings& bokeh, double coc_px,
+                 const BackgroundDefocusKnobs& knobs = {}) {
+    return even_disc(bokeh, coc_px, {0, 0, view.width, view.height}, knobs);
+}
+
+/// The mean over the opening of what its points see along a pixel.
+Eigen::Vector3d through_the_lens(const Probe& probe, const BackgroundView& view, const Eigen::Vector2d& pixel,
+                                 const BokehSettings& bokeh, double coc_px) {
+    constexpr int steps = 80;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (int i = 0; i < steps * steps; ++i) {
+        const int column = i % steps, row = i / steps;
+        const Eigen::Vector2d point((2 * column + 1.0) / steps - 1, (2 * row + 1.0) / steps - 1);
+        if (bokeh_distance(bokeh, point) > 1) continue;
+        // Light from beyond the focus shows the opening upright: what this point passes comes from the other side.
+        const Eigen::Vector2d from = pixel - coc_px / 2 * point;
+        sum += probe.radiance(direction_of(view, from.x(), from.y()));
+        ++count;
+    }
+    return sum / count;
+}
+
+TEST_F(BackgroundTest, IsBlurredAsTheLensDoes) {
+    // Texels of 5 pixels, and noise from texel to texel: edges everywhere.
+    const Probe probe = noisy_probe(64);
+    BackgroundView view = view_towards({0.6, 0.48, 0.64}, 48, 50);
+    for (const BokehSettings& bokeh : {BokehSettings{}, BokehSettings{.blades = 3, .rotation_deg = 25}}) {
+        for (const double coc_px : {2.0, 7.0, 20.0, 45.0}) {
+            view.defocus = disc_of(view, bokeh, coc_px);
+            const ImageF picture = draw_sky(probe, view);
+            double error = 0, contrast = 0;
+            int count = 0;
+            for (int y = 1; y < 48; y += 6) {
+                for (int x = 1; x < 48; x += 6) {
+                    const Eigen::Vector3d expected = through_the_lens(probe, view, {x, y}, bokeh, coc_px);
+                    error += std::pow(picture.at(x, y, 1) - expected[1], 2);
+                    ++count;
+                    contrast += std::pow(probe.radiance(direction_of(view, x, y))[1] - expected[1], 2);
+                }
+            }
+            // Of the noise' deviation of 1; nine texels hold a disc of two pixels to a tenth of a pixel.
+            EXPECT_LT(std::sqrt(error / count), 0.03) << coc_px << " px, " << bokeh.blades;
+            EXPECT_TRUE(coc_px < 5 || error < 0.01 * contrast) << coc_px << " px, " << bokeh.blades;
+        }
+    }
+}
+
+TEST_F(BackgroundTest, ABlurredSunKeepsItsLightAndTheShapeOfTheOpening) {
+    // One texel of 1e5, a pixel or so wide, at the middle of the frame.
+    const BackgroundView sharp = view_towards(Eigen::Vector3d::UnitY(), 96, 30);
+    const Eigen::Vector2d at = latlong_pixel(direction_of(sharp, 48, 48), 1024, 512);
+    Probe probe = test::make_probe(1024, [](const Eigen::Vector3d&) { return Eigen::Vector3d(0, 0, 0); });
+    for (int c = 0; c < 3; ++c)
+        probe.latlong.at(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())), c) = 1e5F;
+    const auto sum_of = [](const ImageF& picture) {
+        double sum = 0;
+        for (const float value : picture.samples()) sum += value;
+        return sum;
+    };
+    const double whole = sum_of(draw_sky(probe, sharp));
+    ASSERT_GT(whole, 1e5);
+    for (const double texels : {3.0, 8.0}) {
+        for (const double coc_px : {3.0, 15.0, 40.0, 55.0}) {
+            BackgroundView view = sharp;
+            view.defocus = disc_of(view, {}, coc_px, {.disc_texels = texels});
+            const ImageF picture = draw_sky(probe, view);
+            EXPECT_NEAR(sum_of(picture) / whole, 1, 1e-3) << coc_px << " px on " << texels;
+            double beside = 0;
+            for (int y = 0; y < 96; ++y) {
+                for (int x = 0; x < 96; ++x) {
+                    // The sun's own extent, and a texel.
+                    const double reach_px = coc_px / 2 + 4 + 2.0 * view.defocus->texel_px;
+                    if (std::hypot(x - 48, y - 48) > reach_px) beside += picture.at(x, y, 0);
+                }
+            }
+            EXPECT_LT(beside / whole, 1e-6) << coc_px;
+        }
+    }
+}
+
+TEST_F(BackgroundTest, CirclesOfLessThanAQuarterPixelAreNone) {
+    const Probe probe = noisy_probe(512);
+    BackgroundView view = view_towards({0.6, 0.48, 0.64}, 48, 50);
+    const ImageF sharp = draw_sky(probe, view);
+    view.defocus = disc_of(view, {}, 0.99 * least_coc_px);
+    EXPECT_TRUE(std::ranges::equal(sharp.samples(), draw_sky(probe, view).samples()));
+    view.defocus = disc_of(view, {}, 4);
+    EXPECT_FALSE(std::ranges::equal(sharp.samples(), draw_sky(probe, view).samples()));
+}
+
+TEST_F(BackgroundTest, ACircleWiderThanTheFrameIsItsMean) {
+    const Probe probe = noisy_probe(64);
+    BackgroundView view = view_towards({0.6, 0.48, 0.64}, 33, 60);
+    for (const double coc_px : {200.0, 1e6}) {
+        view.defocus = disc_of(view, {}, coc_px);
+        const ImageF picture = draw_sky(probe, view);
+        const float middle = picture.at(16, 16, 1);
+        for (const float value : picture.samples()) ASSERT_TRUE(std::isfinite(value));
+        // Of thousands of texels of the probe.
+        EXPECT_NEAR(middle, 1, 0.2);
+        EXPECT_NEAR(picture.at(0, 0, 1), middle, 0.2);
+    }
 }
 
 }  // namespace

@@ -309,6 +309,46 @@ TEST_F(CompositorTest, WhatDepthOfFieldLeavesOutChangesNothing) {
     }
 }
 
+TEST_F(CompositorTest, ASkydomeIsSeenThroughTheLensToo) {
+    Shot shot = make_shot();
+    shot.scene.camera.emplace();
+    shot.scene.camera->width = 320;
+    shot.scene.camera->height = 180;
+    shot.scene.surface.present = false;
+    shot.solve.camera.distortion = {};
+    shot.scene.background.probe = true;
+    const CompositedFrame plain = composite(shot, true);
+    DepthOfFieldSettings lens;
+    lens.focus_distance_m = 0.6;
+    const auto with = [&](double coc_px, DepthOfFieldLevel level) {
+        lens.level = level;
+        lens.lens_samples = 3;
+        lens.coc_scale_px_m = coc_px * *lens.focus_distance_m;
+        shot.scene.effects.depth_of_field = lens;
+    };
+    with(0.2, DepthOfFieldLevel::gather);
+    const CompositedFrame sharp = composite(shot, true);
+    EXPECT_FALSE(was_drawn("background defocus/gather"));
+    const CompositedFrame whole = composite(shot, false);
+    EXPECT_TRUE(was_drawn("background defocus/gather"));
+    EXPECT_TRUE(std::ranges::equal(sharp.rgb16().samples(), whole.rgb16().samples()));
+    // Beside the ball, whose own circles are narrower still, all is as without depth of field.
+    EXPECT_TRUE(std::ranges::equal(sharp.code.row(5), plain.code.row(5)));
+
+    for (const DepthOfFieldLevel level : {DepthOfFieldLevel::gather, DepthOfFieldLevel::lens_samples}) {
+        with(9, level);
+        const CompositedFrame blurred = composite(shot, true);
+        EXPECT_TRUE(was_drawn("background defocus/gather"));
+        EXPECT_FALSE(std::ranges::equal(blurred.code.row(5), plain.code.row(5)));
+        EXPECT_TRUE(std::ranges::equal(blurred.rgb16().samples(), composite(shot, false).rgb16().samples()));
+    }
+    // An even colour stays what it is.
+    shot.scene.background = {.probe = false, .color = {{0.2, 0.3, 0.4}}, .image = {}};
+    const CompositedFrame even = composite(shot, true);
+    EXPECT_FALSE(was_drawn("background defocus/gather"));
+    EXPECT_EQ(even.code.at(5, 5, 0), even.code.at(300, 5, 0));
+}
+
 /// Noise of one sample over the standard deviation that the model says is missing there.
 struct GrainSample {
     double light = 0, normalised = 0;

@@ -120,5 +120,40 @@ TEST_F(DepthOfFieldTest, LensSamplesSeeBehindWhatIsBlurred) {
     }
 }
 
+TEST_F(DepthOfFieldTest, AllThatKnowTheOpeningShowItTheSameWayUp) {
+    // Light from before the focus and from beyond it, through a triangle with a corner to the right.
+    const BokehSettings triangle{.blades = 3};
+    for (const double depth_m : {0.5, 4.0}) {
+        const ThinLensView view{.width = 49,
+                                .height = 49,
+                                .focus = {.coc_scale_px_m = 20, .focus_distance_m = 1},
+                                .bokeh = triangle,
+                                .cards = {card({23.625, 23.625, 24.625, 24.625}, depth_m, {1000, 1000, 1000})}};
+        // Third moment along x about the middle of the light: positive where the corner points to the right.
+        const auto skew = [&](const auto& picture) {
+            double light = 0, middle = 0, sum = 0;
+            for (int i = 0; i < 49 * 49; ++i) {
+                light += picture.at(i % 49, i / 49, 0);
+                middle += i % 49 * picture.at(i % 49, i / 49, 0);
+            }
+            for (int i = 0; i < 49 * 49; ++i)
+                sum += std::pow(i % 49 - middle / light, 3) * picture.at(i % 49, i / 49, 0);
+            return sum / light;
+        };
+        const double expected = skew(thin_lens_light(view));
+        EXPECT_GT(std::abs(expected), 10) << depth_m;
+        for (const DepthOfFieldLevel level :
+             {DepthOfFieldLevel::gather, DepthOfFieldLevel::layers, DepthOfFieldLevel::lens_samples}) {
+            DepthOfFieldSettings settings = lens_samples(256);
+            settings.level = level;
+            Quality quality = fine_quality();
+            quality.depth_of_field = QualityLevel::final_;
+            const ImageF seen = composited_cards(context(), lens_card_shot(view, settings), quality);
+            // Discs of ten texels or so have half of it at least.
+            EXPECT_NEAR(skew(seen) / expected, 1, 0.5) << static_cast<int>(level);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace matchlight

@@ -70,7 +70,7 @@ std::vector<DefocusTap> ring_taps(double radius_px, const OnePassKnobs& knobs) {
 std::vector<DefocusTap> bokeh_taps(const BokehSettings& bokeh, double radius, bool before_focus) {
     constexpr int parts = 8;  // of a texel's side: its area to 1/64
     const int reach = static_cast<int>(std::ceil(radius + 0.5));
-    const double turn = before_focus ? -1 : 1;
+    const double turn = before_focus ? 1 : -1;
     std::vector<DefocusTap> taps;
     for (int y = -reach; y <= reach; ++y) {
         for (int x = -reach; x <= reach; ++x) {

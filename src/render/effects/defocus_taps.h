@@ -31,7 +31,8 @@ std::vector<DefocusTap> disc_taps(double radius_px);
 /// that fall on one pixel count as one. The pixel areas add up to the disc's.
 std::vector<DefocusTap> ring_taps(double radius_px, const OnePassKnobs& knobs);
 
-/// Texels that an opening of `radius` texels shows, with their areas; from behind where it is before the focus.
+/// Texels from which one collects through an opening of `radius` texels, with their areas: the opening turned by 180°,
+/// or, before the focus, upright.
 std::vector<DefocusTap> bokeh_taps(const BokehSettings& bokeh, double radius, bool before_focus);
 
 /// What has a signed circle from `from_px` to under `to_px` is blurred by one of `circle_px`; 0: it is in focus.

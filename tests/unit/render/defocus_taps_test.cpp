@@ -54,6 +54,12 @@ TEST(DefocusTaps, TheOpeningHasItsAreaAndTurnsBeforeTheFocus) {
         EXPECT_EQ(std::pair(behind[i].x, behind[i].y), std::pair(-turned.x, -turned.y));
         EXPECT_NEAR(behind[i].area_px2, turned.area_px2, 1.0 / 64);
     }
+    // A corner to the right: what is there collects from the left, beyond the focus.
+    double farthest_x = 0;
+    for (const DefocusTap& tap : bokeh_taps({.blades = 3}, 6, false)) {
+        if (std::abs(tap.x) > std::abs(farthest_x)) farthest_x = tap.x;
+    }
+    EXPECT_LT(farthest_x, -4);
     EXPECT_EQ(bokeh_taps({}, 0.01, false).size(), 1U) << "less than a part of a texel is the texel";
 }
 
