@@ -51,18 +51,18 @@ float widened_roughness(float roughness, vec3 reflected_dx, vec3 reflected_dy) {
 // What comes along a reflected direction; with a lens, as far as the picture is not to be blurred for it.
 vec3 mirrored_radiance(vec3 direction, float roughness) {
 #ifdef LENS
-    if (reflection_left_px >= least_left_px) {
-        // As many points as the disc has pixels; more than a few dozen are not told apart.
-        int count = clamp(int(reflection_left_px * reflection_left_px), 8, 64);
-        vec3 sum = vec3(0.0);
-        for (int i = 0; i < count; ++i) {
-            vec3 turned = normalize(direction + turn_through_lens(i, count));
-            sum += reflected_radiance(direction_in_probe(world_position, turned), roughness);
-        }
-        return sum / float(count);
+    // As many points as the disc has pixels; more than a few dozen are not told apart. A single point is in the loop, too:
+    // of two ways some drivers go both.
+    int count = reflection_left_px >= least_left_px ? clamp(int(reflection_left_px * reflection_left_px), 8, 64) : 1;
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < count; ++i) {
+        vec3 turned = count == 1 ? direction : normalize(direction + turn_through_lens(i, count));
+        sum += reflected_radiance(direction_in_probe(world_position, turned), roughness);
     }
-#endif
+    return sum / float(count);
+#else
     return reflected_radiance(direction_in_probe(world_position, direction), roughness);
+#endif
 }
 
 // Light that a GGX surface reflects at its first meeting with it, and after several.

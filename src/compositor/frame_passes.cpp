@@ -187,6 +187,11 @@ std::optional<SurfaceLens> FramePasses::surface_lens(double layer_density) const
     const LayerEffectPlan& effects = plan_.layer_effects;
     if (!effects.blurs_focus() || effects.defocus->objects.is_sharp()) return std::nullopt;
     const FrameDefocus& defocus = *effects.defocus;
+    const bool focuses_reflections =
+        defocus.settings.reflections == ReflectionFocus::virtual_image &&
+        (defocus.settings.level != DepthOfFieldLevel::gather || gather_knobs(defocus.quality).reflections);
+    // Then the depth alone tells.
+    if (!focuses_reflections && defocus.apart.empty() && !parts_transparent()) return std::nullopt;
     const double diameter_m = plan_.optics.focus.coc_scale_px_m / resources_.camera.fx;
     const Eigen::Matrix3d world_from_camera = plan_.optics.camera_from_world.linear().transpose();
     return SurfaceLens{.focus = plan_.optics.focus,
@@ -194,7 +199,7 @@ std::optional<SurfaceLens> FramePasses::surface_lens(double layer_density) const
                        .right_world_m = diameter_m * world_from_camera.col(0),
                        .down_world_m = diameter_m * world_from_camera.col(1),
                        .layer_density = layer_density,
-                       .focuses_reflections = defocus.settings.reflections == ReflectionFocus::virtual_image,
+                       .focuses_reflections = focuses_reflections,
                        .parts_transparent = parts_transparent(),
                        .apart = defocus.apart};
 }

@@ -22,30 +22,34 @@ layout(location = 0) out vec4 light_share;  // premultiplied light and coverage,
 layout(location = 1) out vec3 disc;         // r: radius of the disc in texels, 0 where there is none; coverage of what the
                                             // texel shows, g: whatever its class, b: of classes next to its own
 
-// Whether a surface may cross from the one class into the other.
-bool is_next(float coc_px) { return abs(class_of(coc_px) - own_class) <= 1; }
+// Sums over the texel.
+vec4 sum = vec4(0.0);
+float coverage = 0.0, next_coverage = 0.0, widths = 0.0, weights = 0.0;
+
+// Adds a surface out of focus; returns the coverage that is left of `rest`.
+float add_surface(float coc_px, vec4 light, float rest) {
+    int away = abs(class_of(coc_px) - own_class);
+    if (coc_px == 0.0) return rest;
+    // A surface may cross from one class into the next.
+    if (away <= 1) next_coverage += light.a;
+    if (away == 0) {
+        sum += light;
+        widths += light.a * abs(coc_px);
+        weights += light.a;
+    }
+    return rest - light.a;
+}
 
 void main() {
     ivec2 corner = target_texel() * texel_px - circles_region.xy;
-    vec4 sum = vec4(0.0);
-    float coverage = 0.0, next_coverage = 0.0, widths = 0.0, weights = 0.0;
     for (int y = 0; y < texel_px; ++y) {
         for (int x = 0; x < texel_px; ++x) {
             ivec2 pixel = corner + ivec2(x, y);
             vec3 seen = fetch_or_zero(circles, ivec4(0, 0, circles_region.zw), pixel).rgb;
             coverage += seen.b;
-            float sharp_coverage = seen.b;
-            for (int i = 0; i < 2; ++i) {
-                if (seen[i] == 0.0) continue;
-                vec4 light = i == 0 ? texelFetch(front, pixel, 0) : texelFetch(back, pixel, 0);
-                sharp_coverage -= light.a;
-                if (is_next(seen[i])) next_coverage += light.a;
-                if (class_of(seen[i]) != own_class) continue;
-                sum += light;
-                widths += light.a * abs(seen[i]);
-                weights += light.a;
-            }
-            if (abs(own_class) == 1) next_coverage += max(sharp_coverage, 0.0);
+            float rest = add_surface(seen.r, texelFetch(front, pixel, 0), seen.b);
+            rest = add_surface(seen.g, texelFetch(back, pixel, 0), rest);
+            if (abs(own_class) == 1) next_coverage += max(rest, 0.0);
         }
     }
     float whole = float(texel_px * texel_px);

@@ -57,7 +57,7 @@ void GatherKnobs::check() const {
 GatherKnobs gather_knobs(QualityLevel quality) {
     switch (quality) {
         case QualityLevel::draft:
-            return {.fine_classes = 1, .hidden = false};
+            return {.fine_classes = 1, .hidden = false, .reflections = false};
         case QualityLevel::preview:
             return {.first_class_px = 5, .fine_classes = 2};
         case QualityLevel::reference:

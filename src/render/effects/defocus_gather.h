@@ -25,6 +25,7 @@ struct GatherKnobs {
     double first_class_px = 4;  // circles narrower than this are one class, from 2 to 16
     int fine_classes = 3;       // so many are gathered at full resolution, from 1 to 4; then texels double, too
     bool hidden = true;         // draw what the nearest surface hides
+    bool reflections = true;    // may have a focus of their own, at their virtual image
     bool full_float = false;    // textures of 32 bits a channel instead of 16
 
     /// Throws std::invalid_argument naming what is out of range.
