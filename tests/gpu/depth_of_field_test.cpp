@@ -155,5 +155,40 @@ TEST_F(DepthOfFieldTest, AllThatKnowTheOpeningShowItTheSameWayUp) {
     }
 }
 
+TEST_F(DepthOfFieldTest, GatherFollowsTheFocusOfAnObjectAsLensSamplesDo) {
+    // Far out of focus by their depth: one is focused by itself, one never blurred, one blurred as if elsewhere.
+    const ThinLensView view{.width = 65,
+                            .height = 65,
+                            .focus = {.coc_scale_px_m = 20, .focus_distance_m = 1},
+                            .bokeh = {},
+                            .cards = {card({4, 20, 16, 44}, 0.5, {1, 0, 0}), card({26, 20, 38, 44}, 2, {0, 1, 0}),
+                                      card({48, 20, 60, 44}, 1, {0, 0, 1})}};
+    DepthOfFieldSettings gather;
+    Quality quality = fine_quality();
+    quality.depth_of_field = QualityLevel::final_;
+    std::vector<ImageF> pictures;
+    for (const DepthOfFieldSettings& settings : {gather, lens_samples(256)}) {
+        LensCardShot shot = lens_card_shot(view, settings);
+        shot.scene.objects[0].focus = FocusOverride{.distance_m = 0.5};
+        shot.scene.objects[1].focus = FocusOverride{};
+        shot.scene.objects[2].focus = FocusOverride{.distance_m = 2};
+        pictures.push_back(composited_cards(context(), shot, quality));
+    }
+    const ImageF sharp = composited_cards(context(), lens_card_shot(view, std::nullopt), fine_quality());
+    double most = 0;
+    for (int y = 0; y < 65; ++y) {
+        for (int x = 0; x < 65; ++x) {
+            const double difference = std::abs(pictures[0].at(x, y, 3) - pictures[1].at(x, y, 3));
+            most = std::max(most, difference);
+            if (x < 42) {
+                EXPECT_NEAR(pictures[0].at(x, y, 3), sharp.at(x, y, 3), 1e-3) << x << ' ' << y;
+            }
+        }
+    }
+    // Half the light's edge lies between two of the lens' points, or two texels of the disc.
+    EXPECT_LT(most, 0.06);
+    EXPECT_NEAR(pictures[0].at(48, 32, 3), 0.5, 0.1);
+}
+
 }  // namespace
 }  // namespace matchlight
