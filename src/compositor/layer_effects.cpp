@@ -20,19 +20,31 @@ constexpr double most_magnification = 1.25;
 
 GraphTexture add_gather(RenderGraph& graph, const LayerEffectInput& input, const FrameDefocus& defocus) {
     const bool is_straight = input.input.layer != nullptr && input.input.layer->whole_density > 0;
-    return input.gather.add(graph,
-                            {.layer_drawn = input.input.layer_drawn,
-                             .bind_layer = [&composite = input.composite, layer = input.input](
-                                               Program& program) { composite.set_layer(program, layer); },
-                             .layer_defines = CompositePass::layer_defines(input.input),
-                             .has_transparent = input.parts_transparent,
-                             .region = input.objects,
-                             .layer_density = input.layer_density,
-                             .magnification = is_straight ? 1 : most_magnification,
-                             .focus = input.input.optics.focus,
-                             .range = defocus.objects,
-                             .bokeh = defocus.settings.bokeh},
-                            gather_knobs(input.defocus_quality));
+    GatherKnobs knobs = gather_knobs(input.defocus_quality);
+    GatherInput gathered{.layer_drawn = input.input.layer_drawn,
+                         .bind_layer = [&composite = input.composite,
+                                        layer = input.input](Program& program) { composite.set_layer(program, layer); },
+                         .layer_defines = CompositePass::layer_defines(input.input),
+                         .region = input.objects,
+                         .layer_density = input.layer_density,
+                         .magnification = is_straight ? 1 : most_magnification,
+                         .focus = input.input.optics.focus,
+                         .range = defocus.objects,
+                         .bokeh = defocus.settings.bokeh};
+    const GraphTexture opaque = input.gather.add(graph, gathered, knobs);
+    if (!input.parts_transparent) return opaque;
+    gathered.bind_layer = [&composite = input.composite, layer = input.input](Program& program) {
+        VirtualLayer before = *layer.layer;
+        before.picture = before.transparent;
+        before.hidden = {};
+        CompositeInput of_before = layer;
+        of_before.layer = &before;
+        composite.set_layer(program, of_before);
+    };
+    gathered.is_transparent = true;
+    knobs.hidden = false;
+    const GraphTexture transparent = input.gather.add(graph, gathered, knobs);
+    return add_slice_over(graph, input.shaders, {.before = transparent, .behind = opaque, .region_of = opaque});
 }
 
 /// By the methods that work on one picture of the layer.

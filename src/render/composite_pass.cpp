@@ -144,8 +144,6 @@ void CompositePass::set_layer(Program& program, const CompositeInput& input) con
     program.set("hidden_present", layer.hidden.color != nullptr);
     bind_or("hidden_layer", 12, layer.hidden.color, empty_);
     bind_or("hidden_depth_share", 13, share_of(layer.hidden), empty_);
-    bind_or("transparent_layer", 14, layer.transparent.color, empty_);
-    bind_or("transparent_depth_share", 15, layer.transparent.focus_share, empty_);
     if (!input.layers) return;
     bind_or("layer_normal", 6, picture.normal, empty_);
     bind_or("layer_depth_m", 7, picture.depth_m, empty_);

@@ -99,7 +99,7 @@ public:
     /// RGB ratio of the shadow over `region`, 1 where none is visible: what add() composites, bit for bit.
     GraphTexture add_shadow_ratio(RenderGraph& graph, const CompositeInput& input, const Region& region);
     /// Sets the uniforms of common/lens_map.glsl, composite/layer.glsl and, but for those of the focus,
-    /// effects/depth_of_field/gather_resolve.frag; takes texture units 1, 3, 9 and 12 to 15.
+    /// effects/depth_of_field/gather_resolve.frag; takes texture units 1, 3, 9, 12 and 13.
     void set_layer(Program& program, const CompositeInput& input) const;
     /// What composite/layer.glsl is compiled with.
     static ShaderDefines layer_defines(const CompositeInput& input);

@@ -3,8 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "gl_fixture.h"
 #include "report/lens_cards.h"
@@ -188,6 +194,83 @@ TEST_F(DepthOfFieldTest, GatherFollowsTheFocusOfAnObjectAsLensSamplesDo) {
     // Half the light's edge lies between two of the lens' points, or two texels of the disc.
     EXPECT_LT(most, 0.06);
     EXPECT_NEAR(pictures[0].at(48, 32, 3), 0.5, 0.1);
+}
+
+/// A square of 2 m, upright, that lets `1 − alpha` of the light through; gone with the test.
+class GlassModel {
+public:
+    explicit GlassModel(double alpha)
+        : path_(std::filesystem::temp_directory_path() / fmt::format("matchlight_glass_{}.gltf", getpid())) {
+        // Positions of four corners, indices of two triangles.
+        const std::string buffer =
+            "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAACAPwAA"
+            "gD8AAAAAAACAvwAAgD8AAAAAAAABAAIAAAACAAMA";
+        const nlohmann::json gltf = {
+            {"asset", {{"version", "2.0"}}},
+            {"scene", 0},
+            {"scenes", {{{"nodes", {0}}}}},
+            {"nodes", {{{"mesh", 0}}}},
+            {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"indices", 1}, {"material", 0}}}}}}},
+            {"materials",
+             {{{"alphaMode", "BLEND"},
+               {"doubleSided", true},
+               {"emissiveFactor", {0, 0, 1}},
+               {"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, alpha}}, {"metallicFactor", 0}}}}}},
+            {"buffers", {{{"byteLength", 60}, {"uri", "data:application/octet-stream;base64," + buffer}}}},
+            {"bufferViews",
+             {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 48}},
+              {{"buffer", 0}, {"byteOffset", 48}, {"byteLength", 12}}}},
+            {"accessors",
+             {{{"bufferView", 0},
+               {"componentType", 5126},
+               {"count", 4},
+               {"type", "VEC3"},
+               {"min", {-1, -1, 0}},
+               {"max", {1, 1, 0}}},
+              {{"bufferView", 1}, {"componentType", 5123}, {"count", 6}, {"type", "SCALAR"}}}}};
+        std::ofstream(path_) << gltf;
+    }
+    ~GlassModel() { std::filesystem::remove(path_); }
+    GlassModel(const GlassModel&) = delete;
+    GlassModel& operator=(const GlassModel&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+TEST_F(DepthOfFieldTest, GatherBlursWhatLetsLightThroughAtItsOwnDepth) {
+    const GlassModel glass(0.4);
+    // The glass stands before a card, beside which it shows the plate; either is in focus.
+    for (const double focus_m : {1.0, 2.0}) {
+        const ThinLensView view{.width = 65,
+                                .height = 65,
+                                .focus = {.coc_scale_px_m = 16, .focus_distance_m = focus_m},
+                                .bokeh = {},
+                                .cards = {card({30, 14, 54, 40}, 2, {1, 0.5, 0})}};
+        Quality quality = fine_quality();
+        quality.depth_of_field = QualityLevel::final_;
+        std::vector<ImageF> pictures;
+        for (const DepthOfFieldSettings& settings : {DepthOfFieldSettings{}, lens_samples(256)}) {
+            LensCardShot shot = lens_card_shot(view, settings);
+            ObjectSettings& pane = shot.scene.objects.emplace_back();
+            pane.model = glass.path();
+            pane.scale = Eigen::Vector3d::Constant(0.2);
+            pane.translate_m = {-0.05, 1, -0.05};
+            pictures.push_back(composited_cards(context(), shot, quality));
+        }
+        double most = 0, seen = 0;
+        for (std::size_t i = 0; i < pictures[0].samples().size(); ++i) {
+            most = std::max<double>(most, std::abs(pictures[0].samples()[i] - pictures[1].samples()[i]));
+            seen = std::max<double>(seen, pictures[1].samples()[i]);
+        }
+        EXPECT_LT(most, 0.06) << focus_m;
+        EXPECT_GT(seen, 0.9);
+        // Glass alone, the card through it, and the card alone.
+        EXPECT_NEAR(pictures[0].at(22, 43, 3), 0.4, 0.01) << focus_m;
+        EXPECT_NEAR(pictures[0].at(36, 30, 0), 0.6, 0.01) << focus_m;
+        EXPECT_NEAR(pictures[0].at(49, 24, 0), 1, 0.01) << focus_m;
+    }
 }
 
 }  // namespace

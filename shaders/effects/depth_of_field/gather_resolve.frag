@@ -9,8 +9,6 @@
 uniform sampler2D layer_depth_share;    // near_m / z, 0 where nothing is
 uniform sampler2D hidden_layer;         // what is behind the nearest surface, as `layer`
 uniform sampler2D hidden_depth_share;
-uniform sampler2D transparent_layer;    // what lets light through, before `layer`
-uniform sampler2D transparent_depth_share;  // times coverage
 uniform float near_m;
 uniform float coc_scale_px_m;
 uniform float focus_per_m;              // 1 / focus distance
@@ -46,6 +44,16 @@ float drawn_circle(float widths, float weights, float magnification) {
     if (weights <= 0.0) return 0.0;
     float width = widths / weights;
     return sign(width) * max(abs(width) * magnification, least_coc_px);
+}
+
+// Of what lets light through it comes times the coverage.
+float depth_share_at(ivec2 texel) {
+    float depth_share = texelFetch(layer_depth_share, texel, 0).r;
+#ifdef TRANSPARENT
+    float covered = texelFetch(layer, texel, 0).a;
+    if (covered > 0.0) depth_share /= covered;
+#endif
+    return depth_share;
 }
 
 #ifdef HIDDEN
@@ -99,19 +107,7 @@ void add_layer_pixel(ivec2 texel, float share, float depth_share, vec2 range, fl
     vec4 seen = share * texelFetch(layer, texel, 0);
     // Without a depth it is a surface that lets light through, over nothing else.
     float coc_px = depth_share == 0.0 ? 0.0 : signed_coc_px(depth_share);
-#ifdef TRANSPARENT
-    vec4 veil = texelFetch(transparent_layer, texel, 0);
-    coverage += share * veil.a * (1.0 - texelFetch(layer, texel, 0).a);
-    if (veil.a > 0.0) {
-        float veil_px = signed_coc_px(texelFetch(transparent_depth_share, texel, 0).r / veil.a);
-        // Where both blur alike, the one stays before the other; else the composition puts it there.
-        if (depth_share != 0.0 && class_of(veil_px) == class_of(coc_px)) seen = share * veil + (1.0 - veil.a) * seen;
-        else add_light(share * veil, share * veil.a, veil_px, between);
-    }
-    coverage += share * texelFetch(layer, texel, 0).a;
-#else
     coverage += seen.a;
-#endif
     add_light(seen, share, coc_px, between);
 #ifdef HIDDEN
     float hidden_share = texelFetch(hidden_depth_share, texel, 0).r;
@@ -124,18 +120,12 @@ void add_layer_pixel(ivec2 texel, float share, float depth_share, vec2 range, fl
 #endif
 }
 
-// The least and the greatest circle of what has a depth, or lets light through.
-void extend(inout vec2 range, ivec2 texel, float depth_share) {
+// The least and the greatest circle of what has a depth.
+void extend(inout vec2 range, float depth_share) {
     if (depth_share != 0.0) {
         float coc_px = signed_coc_px(depth_share);
         range = vec2(min(range.x, coc_px), max(range.y, coc_px));
     }
-#ifdef TRANSPARENT
-    float veil = texelFetch(transparent_layer, texel, 0).a;
-    if (veil == 0.0) return;
-    float veil_px = signed_coc_px(texelFetch(transparent_depth_share, texel, 0).r / veil);
-    range = vec2(min(range.x, veil_px), max(range.y, veil_px));
-#endif
 }
 
 // Two surfaces meet in the pixel where circles differ by more than one surface's would.
@@ -151,8 +141,8 @@ void main() {
     const int count = LAYER_DENSITY * LAYER_DENSITY;
     float depth_shares[count];
     for (int i = 0; i < count; ++i) {
-        depth_shares[i] = texelFetch(layer_depth_share, first + ivec2(i % LAYER_DENSITY, i / LAYER_DENSITY), 0).r;
-        extend(range, first + ivec2(i % LAYER_DENSITY, i / LAYER_DENSITY), depth_shares[i]);
+        depth_shares[i] = depth_share_at(first + ivec2(i % LAYER_DENSITY, i / LAYER_DENSITY));
+        extend(range, depth_shares[i]);
     }
     float between = between_surfaces(range);
     for (int i = 0; i < count; ++i)
@@ -171,13 +161,13 @@ void main() {
     ivec2 last = min(ivec2(ceil(high)), layer_size) - 1;
     for (int y = first.y; y <= last.y; ++y)
         for (int x = first.x; x <= last.x; ++x)
-            extend(range, ivec2(x, y), texelFetch(layer_depth_share, ivec2(x, y), 0).r);
+            extend(range, depth_share_at(ivec2(x, y)));
     float between = between_surfaces(range);
     for (int y = first.y; y <= last.y; ++y) {
         float height = min(high.y, float(y + 1)) - max(low.y, float(y));
         for (int x = first.x; x <= last.x; ++x) {
             float width = min(high.x, float(x + 1)) - max(low.x, float(x));
-            float depth_share = texelFetch(layer_depth_share, ivec2(x, y), 0).r;
+            float depth_share = depth_share_at(ivec2(x, y));
             add_layer_pixel(ivec2(x, y), width * height, depth_share, range, between);
         }
     }

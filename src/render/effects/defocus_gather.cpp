@@ -132,7 +132,7 @@ private:
              .draw = [this_ = *this](PassRun& run) {
                  ShaderDefines defines = this_.input_.layer_defines;
                  if (this_.knobs_.hidden) defines["HIDDEN"] = "1";
-                 if (this_.input_.has_transparent) defines["TRANSPARENT"] = "1";
+                 if (this_.input_.is_transparent) defines["TRANSPARENT"] = "1";
                  Program& program = this_.shaders_.full_screen("effects/depth_of_field/gather_resolve.frag", defines);
                  program.use();
                  this_.input_.bind_layer(program);

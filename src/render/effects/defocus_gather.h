@@ -38,7 +38,7 @@ struct GatherInput {
     std::function<void(Program&)> bind_layer;  // uniforms of common/lens_map.glsl, composite/layer.glsl and
                                                // effects/depth_of_field/gather_resolve.frag but for those of the focus
     ShaderDefines layer_defines;               // of composite/layer.glsl
-    bool has_transparent = false;              // what lets light through is a layer of its own
+    bool is_transparent = false;               // the layer lets light through, and has its depths times its coverage
     Region region;                             // plate pixels that the blurred layer can reach
     double layer_density = 1;                  // layer pixels along a plate pixel
     double magnification = 1;                  // a disc may be drawn this much larger: lenses bend

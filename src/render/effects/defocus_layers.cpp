@@ -31,7 +31,11 @@ public:
         GraphTexture behind;
         for (const DefocusSlice& slice :
              defocus_slices(input_.range.nearest_px, input_.range.farthest_px, knobs_.slices)) {
-            behind = add_over(add_blurred(slice), behind);
+            behind = add_slice_over(graph_, shaders_,
+                                    {.before = add_blurred(slice),
+                                     .behind = behind,
+                                     .region_of = input_.light,
+                                     .disjoint = knobs_.disjoint});
         }
         return behind;
     }
@@ -104,20 +108,6 @@ private:
         return graph_.add_pass(std::move(pass)).front();
     }
 
-    GraphTexture add_over(GraphTexture slice, GraphTexture behind) {
-        Program& program = shaders_.full_screen("effects/depth_of_field/slice_over.frag");
-        GraphPass pass = new_pass("slice over", 1);
-        pass.reads = {{slice}, {behind}};
-        pass.draw = [&program, slice, behind, disjoint = knobs_.disjoint](PassRun& run) {
-            program.use();
-            run.bind(program, "slice", 0, slice);
-            run.bind(program, "behind", 1, behind);
-            program.set("disjoint", disjoint);
-            run.draw(program);
-        };
-        return graph_.add_pass(std::move(pass)).front();
-    }
-
     GraphPass new_pass(const char* name, int scale) const {
         GraphPass pass;
         pass.name = fmt::format("depth of field/{}", name);
@@ -161,6 +151,21 @@ GraphTexture add_layers_defocus(RenderGraph& graph, ShaderLibrary& shaders, cons
                                 const LayersKnobs& knobs) {
     knobs.check();
     return Slices(graph, shaders, input, knobs).add();
+}
+
+GraphTexture add_slice_over(RenderGraph& graph, ShaderLibrary& shaders, const SliceOver& slices) {
+    return graph.add_pass({.name = "depth of field/slice over",
+                           .reads = {{slices.before}, {slices.behind}},
+                           .writes = {GL_RGBA32F},
+                           .region = graph.shape(slices.region_of).region,
+                           .draw = [&shaders, slices](PassRun& run) {
+                               Program& program = shaders.full_screen("effects/depth_of_field/slice_over.frag");
+                               program.use();
+                               run.bind(program, "slice", 0, slices.before);
+                               run.bind(program, "behind", 1, slices.behind);
+                               program.set("disjoint", slices.disjoint);
+                               run.draw(program);
+                           }})[0];
 }
 
 }  // namespace matchlight

@@ -28,4 +28,13 @@ LayersKnobs layers_knobs(QualityLevel quality);
 GraphTexture add_layers_defocus(RenderGraph& graph, ShaderLibrary& shaders, const DefocusInput& input,
                                 const LayersKnobs& knobs);
 
+/// One picture before another, premultiplied, over the region of `region_of`. Disjoint ones share no pixel and add up
+/// until they fill it; else `before` lets through what its coverage leaves. `behind` may be empty.
+struct SliceOver {
+    GraphTexture before, behind;
+    GraphTexture region_of;
+    bool disjoint = false;
+};
+GraphTexture add_slice_over(RenderGraph& graph, ShaderLibrary& shaders, const SliceOver& slices);
+
 }  // namespace matchlight
