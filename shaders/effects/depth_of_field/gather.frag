@@ -10,7 +10,7 @@
 uniform sampler2D light_share;
 uniform sampler2D discs;
 uniform ivec4 discs_region;
-uniform sampler2D widest;
+uniform sampler2D widest;       // disc of a tile and of those around it (gather_tiles.frag)
 uniform ivec4 widest_region;
 uniform int tile_texels;
 uniform int is_far;             // beyond the focus, where wider discs are farther away
@@ -26,9 +26,7 @@ void main() {
     light = vec4(0.0);
     required = vec2(0.0);
     ivec2 tile = ivec2(floor(vec2(texel) / float(tile_texels)));
-    float reach = 0.0;
-    for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) reach = max(reach, fetch_or_zero(widest, widest_region, tile + ivec2(x, y)).r);
+    float reach = texelFetch(widest, tile - widest_region.xy, 0).r;
 
     ivec2 place = texel - discs_region.xy;
     float own = texelFetch(discs, place, 0).r;

@@ -246,20 +246,28 @@ private:
                                     });
              }});
         const GraphTexture discs = sorted[1];
-        const GraphTexture widest =
-            graph_.add_pass({.name = name + " tiles",
-                             .reads = {{discs}},
-                             .writes = {GL_R16F},
-                             .scale = texel_px * tile_texels,
-                             .region = texels_of(graph_.shape(discs).region, tile_texels),
-                             .beyond_frame = true,
-                             .draw = [&shaders = shaders_, discs](PassRun& run) {
-                                 Program& program = shaders.full_screen("effects/depth_of_field/gather_tiles.frag");
-                                 program.use();
-                                 run.bind(program, "discs", 0, discs);
-                                 program.set("tile_texels", tile_texels);
-                                 run.draw(program);
-                             }})[0];
+        const Region tiles = texels_of(graph_.shape(discs).region, tile_texels);
+        // Of each tile, then of each with those around it, as far as a disc covers whole texels' middles.
+        const int farthest_texels = static_cast<int>(widest_disc_texels(own_class, input_, knobs_) + 0.5);
+        const int tiles_around = (farthest_texels + tile_texels - 1) / tile_texels;
+        const auto add_widest = [&](GraphTexture of, int texels, int margin) {
+            return graph_.add_pass({.name = name + " tiles",
+                                    .reads = {{of}},
+                                    .writes = {GL_R16F},
+                                    .scale = texel_px * tile_texels,
+                                    .region = tiles,
+                                    .beyond_frame = true,
+                                    .draw = [&shaders = shaders_, of, texels, margin](PassRun& run) {
+                                        Program& program =
+                                            shaders.full_screen("effects/depth_of_field/gather_tiles.frag");
+                                        program.use();
+                                        run.bind(program, "discs", 0, of);
+                                        program.set("tile_texels", texels);
+                                        program.set("margin_texels", margin);
+                                        run.draw(program);
+                                    }})[0];
+        };
+        const GraphTexture widest = add_widest(add_widest(discs, tile_texels, 0), 1, tiles_around);
         std::vector<Eigen::Vector4f> taps;
         for (const DiscTap& tap :
              disc_taps(input_.bokeh, widest_disc_texels(own_class, input_, knobs_), own_class < 0)) {
