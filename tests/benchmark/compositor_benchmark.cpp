@@ -13,10 +13,17 @@
 namespace matchlight {
 namespace {
 
-/// 0: no effects of bright light; 1: asked for, but nothing is bright enough; 2: reflections on the objects are.
+/// 0: no effects of bright light; 1: asked for, but nothing is bright enough; 2: reflections on the objects are. 3:
+/// depth of field alone, gathered.
 EffectSettings effects_of(int use) {
     EffectSettings effects;
     if (use == 0) return effects;
+    if (use == 3) {
+        DepthOfFieldSettings& lens = effects.depth_of_field.emplace();
+        lens.focus_distance_m = 0.62;  // the middle one of the objects
+        lens.coc_scale_px_m = 60;      // circles of some 20 px
+        return effects;
+    }
     effects.bloom.emplace().threshold = use == 1 ? 1e5 : 0.25;
     effects.glare.emplace().threshold = use == 1 ? 1e5 : 0.5;
     return effects;
@@ -47,6 +54,7 @@ BENCHMARK(composite)
     ->ArgsProduct({{1920}, {1080}, {0, 1, 2}, {0}})
     ->ArgsProduct({{640}, {360}, {2}, {0, 1, 2}})
     ->ArgsProduct({{1920}, {1080}, {2}, {1, 2}})
+    ->ArgsProduct({{1920}, {1080}, {0, 1, 2}, {3}})
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->UseRealTime();

@@ -248,7 +248,7 @@ private:
         const GraphTexture discs = sorted[1];
         const Region tiles = texels_of(graph_.shape(discs).region, tile_texels);
         // Of each tile, then of each with those around it, as far as a disc covers whole texels' middles.
-        const int farthest_texels = static_cast<int>(widest_disc_texels(own_class, input_, knobs_) + 0.5);
+        const int farthest_texels = static_cast<int>(std::floor(widest_disc_texels(own_class, input_, knobs_) + 0.5));
         const int tiles_around = (farthest_texels + tile_texels - 1) / tile_texels;
         const auto add_widest = [&](GraphTexture of, int texels, int margin) {
             return graph_.add_pass({.name = name + " tiles",
