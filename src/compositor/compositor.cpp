@@ -162,7 +162,8 @@ void Compositor::Impl::keep_to_budget(const FrameBudget& budget) {
         place_objects(frame);
         Eigen::AlignedBox2d object_bounds;
         const Reach reach = reach_of(*frame.camera_from_world, PlateFormat{}, object_bounds);
-        const Region objects = object_bounds.isEmpty() ? Region{} : plate_region(object_bounds, solve.camera, 0);
+        const Region objects =
+            object_bounds.isEmpty() ? Region{} : plate_region(object_bounds, solve.camera, lens_map, 0);
         constexpr double megapixel = 1e6;
         const FrameExtent extent{.object_megapixels = static_cast<double>(objects.width) * objects.height / megapixel,
                                  .reach_megapixels = static_cast<double>(reach.pixels()) / megapixel,
@@ -245,13 +246,15 @@ Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const 
                                  Eigen::AlignedBox2d& object_bounds, const LayerEffectPlan& spread) {
     constexpr int edge_px = 2;  // footprints and antialiased edges
     const int margin_px = edge_px + static_cast<int>(std::ceil(spread.spread_px()));
+    // Lens and shutter bring in what lies beside the frame.
+    const double beyond = spread.lens_spread_px() / solve.camera.fx;
     std::vector<Region> regions;
     for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
         const Eigen::AlignedBox2d bounds =
-            normalized_bounds_of_box(surfaces.object_bounds_m(i), camera_from_world, lens_map);
+            normalized_bounds_of_box(surfaces.object_bounds_m(i), camera_from_world, lens_map, beyond);
         if (bounds.isEmpty()) continue;
         object_bounds.extend(bounds);
-        regions.push_back(plate_region(bounds, solve.camera, margin_px));
+        regions.push_back(plate_region(bounds, solve.camera, lens_map, margin_px));
     }
     ShadowReach shadow = shadow_reach(format);
     const int smear_px = spread.motion && spread.motion->smears_shadow
@@ -367,13 +370,15 @@ std::optional<FrameDefocus> Compositor::Impl::defocus_of(const SolvedFrame& fram
     CocRange range;
     for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
         const Eigen::AlignedBox3d box_m = surfaces.object_bounds_m(i);
-        if (normalized_bounds_of_box(box_m, *frame.camera_from_world, lens_map).isEmpty()) continue;
         Focus focus = optics.focus;
         if (const auto own = std::ranges::find(apart, i, &ObjectFocus::object); own != apart.end()) {
             if (!own->distance_m) continue;
             focus.focus_distance_m = *own->distance_m;
         }
-        range.extend(coc_range_of_box(focus, box_m, view));
+        const CocRange own_range = coc_range_of_box(focus, box_m, view);
+        const double beyond = own_range.is_sharp() ? 0 : own_range.widest_px() / 2 / solve.camera.fx;
+        if (normalized_bounds_of_box(box_m, *frame.camera_from_world, lens_map, beyond).isEmpty()) continue;
+        range.extend(own_range);
     }
     if (range.is_sharp() && options.leave_out) return std::nullopt;
     return FrameDefocus{*defocus, range, apart, quality.depth_of_field};
@@ -391,7 +396,7 @@ void Compositor::Impl::plan_sensor(FramePlan& plan) {
                 normalized_bounds_of_box(surfaces.object_bounds_m(i), plan.optics.camera_from_world, lens_map));
         }
         const int margin_px = static_cast<int>(std::ceil(layer.spread_px()));
-        if (bounds.isEmpty() || layer.color->is_none(plate_region(bounds, solve.camera, margin_px))) {
+        if (bounds.isEmpty() || layer.color->is_none(plate_region(bounds, solve.camera, lens_map, margin_px))) {
             layer.color.reset();
             plan.left_out.push_back({"chromatic aberration", "it displaces nothing in view by a quarter pixel"});
         }
@@ -461,6 +466,7 @@ FrameResources Compositor::Impl::resources() {
             .surface_defocus = surface_defocus,
             .effects = effects,
             .camera = solve.camera,
+            .lens_map = lens_map,
             .quality = quality,
             .background = background ? &*background : nullptr,
             .timed = options.timed};

@@ -101,7 +101,9 @@ GraphTexture FramePasses::add_surface(bool layers) {
     if (plan_.layer_effects.lens_spread_px() > 0) {
         const Eigen::Vector2d spread =
             plan_.layer_effects.lens_spread_px() * Eigen::Vector2d(1 / camera.fx, 1 / camera.fy);
-        bounds = {bounds.min() - spread, bounds.max() + spread};
+        const Eigen::AlignedBox2d& frame = resources_.lens_map.normalized_bounds;
+        bounds = Eigen::AlignedBox2d(bounds.min() - spread, bounds.max() + spread)
+                     .intersection(Eigen::AlignedBox2d(frame.min() - spread, frame.max() + spread));
     }
     const Eigen::Vector2d span = bounds.sizes();
     double density = resources_.quality.supersampling;
@@ -133,8 +135,8 @@ GraphTexture FramePasses::add_surface(bool layers) {
     view.lens = surface_lens(density);
     // Colour (half floats) and depth are written once a sample.
     constexpr double bytes_a_sample = 8 + 4;
-    const GraphTexture drawn =
-        graph.import(nullptr, {.format = GL_NONE, .region = plate_region(bounds, camera, layer_margin)});
+    const GraphTexture drawn = graph.import(
+        nullptr, {.format = GL_NONE, .region = plate_region(bounds, camera, resources_.lens_map, layer_margin)});
     graph.add_pass({.name = "surface",
                     .reads = light,
                     .provides = {drawn},
@@ -281,9 +283,9 @@ CompositeInput FramePasses::with_layer_effects(CompositeInput input) {
     if (!effects.any()) return input;
     constexpr int margin_px = 2;
     const int spread_px = static_cast<int>(std::ceil(effects.spread_px()));
-    const Region objects = plan_.object_bounds.isEmpty()
-                               ? Region{}
-                               : plate_region(plan_.object_bounds, resources_.camera, margin_px + spread_px);
+    const Region objects = plan_.object_bounds.isEmpty() ? Region{}
+                                                         : plate_region(plan_.object_bounds, resources_.camera,
+                                                                        resources_.lens_map, margin_px + spread_px);
     input.blurred = add_layer_effects(resources_.graph,
                                       {.shaders = resources_.shaders,
                                        .composite = resources_.composite,

@@ -53,6 +53,7 @@ struct FrameResources {
     SurfaceDefocus& surface_defocus;
     CameraEffects& effects;
     const Camera& camera;
+    const LensMap& lens_map;
     const Quality& quality;
     const Background* background = nullptr;  // of a scene without footage
     bool timed = false;                      // see RenderGraph::run

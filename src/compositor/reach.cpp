@@ -10,7 +10,7 @@ namespace matchlight {
 
 Eigen::AlignedBox2d normalized_bounds(const std::vector<Eigen::Vector3d>& corners_world_m,
                                       const std::vector<std::array<int, 2>>& edges,
-                                      const RigidTransform& camera_from_world, const LensMap& lens_map) {
+                                      const RigidTransform& camera_from_world, const LensMap& lens_map, double beyond) {
     Eigen::AlignedBox2d bounds;
     for (const auto& [from, to] : edges) {
         Eigen::Vector3d a = camera_from_world * corners_world_m[from];
@@ -21,11 +21,15 @@ Eigen::AlignedBox2d normalized_bounds(const std::vector<Eigen::Vector3d>& corner
         bounds.extend(Eigen::Vector2d(a.head<2>() / a.z()));
         bounds.extend(Eigen::Vector2d(b.head<2>() / b.z()));
     }
-    return bounds.isEmpty() ? bounds : bounds.intersection(lens_map.normalized_bounds);
+    const Eigen::AlignedBox2d& frame = lens_map.normalized_bounds;
+    if (bounds.isEmpty() || frame.isEmpty()) return {};
+    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(beyond);
+    return bounds.intersection(Eigen::AlignedBox2d(frame.min() - margin, frame.max() + margin));
 }
 
 Eigen::AlignedBox2d normalized_bounds_of_box(const Eigen::AlignedBox3d& box_world_m,
-                                             const RigidTransform& camera_from_world, const LensMap& lens_map) {
+                                             const RigidTransform& camera_from_world, const LensMap& lens_map,
+                                             double beyond) {
     std::vector<Eigen::Vector3d> corners;
     for (int i = 0; i < 8; ++i) {
         corners.push_back(box_world_m.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)));
@@ -37,7 +41,7 @@ Eigen::AlignedBox2d normalized_bounds_of_box(const Eigen::AlignedBox3d& box_worl
             if ((i & bit) == 0) edges.push_back({i, i | bit});
         }
     }
-    return normalized_bounds(corners, edges, camera_from_world, lens_map);
+    return normalized_bounds(corners, edges, camera_from_world, lens_map, beyond);
 }
 
 Eigen::AlignedBox2d normalized_bounds_of_rectangle(const Eigen::AlignedBox2d& rectangle_m, double z_m,
@@ -49,22 +53,30 @@ Eigen::AlignedBox2d normalized_bounds_of_rectangle(const Eigen::AlignedBox2d& re
         {{0, 1}, {1, 2}, {2, 3}, {3, 0}}, camera_from_world, lens_map);
 }
 
-Region plate_region(const Eigen::AlignedBox2d& bounds, const Camera& camera, int margin_px) {
+Region plate_region(const Eigen::AlignedBox2d& bounds, const Camera& camera, const LensMap& lens_map, int margin_px) {
     if (bounds.isEmpty()) return {};
+    const Eigen::Array2d focal_px(camera.fx, camera.fy);
+    // What lies beyond may be nearer in the picture than straight on, by as much as lenses magnify less at their rim.
+    const double nearer = camera.has_distortion() ? 0.8 : 1;
+    const auto pixel_of = [&](const Eigen::Vector2d& normalized) -> Eigen::Vector2d {
+        const Eigen::Vector2d inside =
+            normalized.cwiseMax(lens_map.normalized_bounds.min()).cwiseMin(lens_map.normalized_bounds.max());
+        return camera.pixel_from_normalized(inside) + (nearer * focal_px * (normalized - inside).array()).matrix();
+    };
     // A lens bends the rectangle's sides outwards or inwards: follow them, every side in steps.
     constexpr int steps = 32;
     Eigen::AlignedBox2d pixels;
     for (int i = 0; i <= steps; ++i) {
         for (int j = 0; j <= steps; ++j) {
             const Eigen::Vector2d t(static_cast<double>(i) / steps, static_cast<double>(j) / steps);
-            const Eigen::Vector2d pixel =
-                camera.pixel_from_normalized(bounds.min() + t.cwiseProduct(bounds.max() - bounds.min()));
+            const Eigen::Vector2d pixel = pixel_of(bounds.min() + t.cwiseProduct(bounds.max() - bounds.min()));
             if (pixel.allFinite()) pixels.extend(pixel);
         }
     }
     if (pixels.isEmpty()) return {};
     // The frame is cut in floating point first: a far-off coordinate need not fit an int.
-    const Eigen::AlignedBox2d frame(Eigen::Vector2d(-1, -1), Eigen::Vector2d(camera.width, camera.height));
+    const Eigen::AlignedBox2d frame(Eigen::Vector2d(-1 - margin_px, -1 - margin_px),
+                                    Eigen::Vector2d(camera.width + margin_px, camera.height + margin_px));
     pixels = pixels.intersection(frame);
     if (pixels.isEmpty()) return {};
     const int left = static_cast<int>(std::floor(pixels.min().x()));

@@ -15,20 +15,23 @@
 
 namespace matchlight {
 
-/// Bounds of a convex body in normalised camera coordinates (x/z, y/z), cut at the near plane and at the lens map's
-/// bounds; empty where no part of it is before the camera or in view. `edges` index into `corners_world_m`.
+/// Bounds of a convex body in normalised camera coordinates (x/z, y/z), cut at the near plane and `beyond` the lens
+/// map's bounds; empty where no part of it is before the camera or in view. `edges` index into `corners_world_m`.
 Eigen::AlignedBox2d normalized_bounds(const std::vector<Eigen::Vector3d>& corners_world_m,
                                       const std::vector<std::array<int, 2>>& edges,
-                                      const RigidTransform& camera_from_world, const LensMap& lens_map);
+                                      const RigidTransform& camera_from_world, const LensMap& lens_map,
+                                      double beyond = 0);
 
 /// The same of a box and of a rectangle lying at height `z_m`.
 Eigen::AlignedBox2d normalized_bounds_of_box(const Eigen::AlignedBox3d& box_world_m,
-                                             const RigidTransform& camera_from_world, const LensMap& lens_map);
+                                             const RigidTransform& camera_from_world, const LensMap& lens_map,
+                                             double beyond = 0);
 Eigen::AlignedBox2d normalized_bounds_of_rectangle(const Eigen::AlignedBox2d& rectangle_m, double z_m,
                                                    const RigidTransform& camera_from_world, const LensMap& lens_map);
 
-/// The plate pixels whose directions can lie in `bounds`, grown by `margin_px` and cut to the frame.
-Region plate_region(const Eigen::AlignedBox2d& bounds, const Camera& camera, int margin_px);
+/// The plate pixels that are at most `margin_px` from directions in `bounds`; of those beyond the frame, too, where the
+/// lens goes on straight.
+Region plate_region(const Eigen::AlignedBox2d& bounds, const Camera& camera, const LensMap& lens_map, int margin_px);
 
 /// The part of a frame that virtual things can touch, as horizontal runs of square tiles: only these are drawn, read
 /// back and converted.

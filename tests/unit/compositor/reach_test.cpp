@@ -36,7 +36,7 @@ TEST(Reach, HoldsEveryPointOfABox) {
         camera_from_world.rotate(Eigen::AngleAxisd(unit(random) - 0.5, Eigen::Vector3d::UnitX()));
         const Eigen::Vector3d low(unit(random) * 0.4 - 0.2, unit(random) * 0.4 - 0.2, 0);
         const Eigen::AlignedBox3d box(low, low + Eigen::Vector3d(0.1, 0.05, 0.08));
-        const Region region = plate_region(normalized_bounds_of_box(box, camera_from_world, map), camera, 0);
+        const Region region = plate_region(normalized_bounds_of_box(box, camera_from_world, map), camera, map, 0);
         for (int i = 0; i < 200; ++i) {
             const Eigen::Vector3d point =
                 box.min() + Eigen::Vector3d(unit(random), unit(random), unit(random)).cwiseProduct(box.sizes());
@@ -49,11 +49,36 @@ TEST(Reach, HoldsEveryPointOfABox) {
     }
 }
 
+TEST(Reach, WhatIsBesideTheFrameReachesIntoItByTheMargin) {
+    for (const bool bent : {false, true}) {
+        Camera camera = test_camera();
+        if (!bent) camera.distortion = {};
+        const LensMap map = make_lens_map(camera);
+        // From half a metre's height half the frame is 0.257 m; the box begins 12 to 13 px beside it.
+        const Eigen::AlignedBox3d box(Eigen::Vector3d(0.2675, -0.02, 0), Eigen::Vector3d(0.3, 0.02, 1e-6));
+        const RigidTransform view = looking_down_from(0.5);
+        if (!bent) {
+            EXPECT_TRUE(normalized_bounds_of_box(box, view, map).isEmpty());
+        }
+        const auto region = [&](int margin_px) {
+            return plate_region(normalized_bounds_of_box(box, view, map, margin_px / camera.fx), camera, map,
+                                margin_px);
+        };
+        EXPECT_TRUE(bent || region(8).empty());
+        const Region reached = region(60);
+        EXPECT_FALSE(reached.empty());
+        EXPECT_EQ(reached.x + reached.width, camera.width);
+        EXPECT_GT(reached.width, 40);
+        EXPECT_LT(reached.width, 85);
+        EXPECT_LT(reached.height, 190);
+    }
+}
+
 TEST(Reach, IsEmptyBehindTheCamera) {
     const Camera camera = test_camera();
     const LensMap map = make_lens_map(camera);
     const Eigen::AlignedBox3d behind(Eigen::Vector3d(-1, -1, 1), Eigen::Vector3d(1, 1, 2));
-    EXPECT_TRUE(plate_region(normalized_bounds_of_box(behind, looking_down_from(0.5), map), camera, 2).empty());
+    EXPECT_TRUE(plate_region(normalized_bounds_of_box(behind, looking_down_from(0.5), map), camera, map, 2).empty());
 }
 
 TEST(Reach, AFloorThatPassesUnderTheCameraIsCutAtTheNearPlane) {
@@ -63,7 +88,7 @@ TEST(Reach, AFloorThatPassesUnderTheCameraIsCutAtTheNearPlane) {
     level.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
     level.translation() = Eigen::Vector3d(0, 0.3, 0);
     const Eigen::AlignedBox2d floor(Eigen::Vector2d(-5, -5), Eigen::Vector2d(5, 5));
-    const Region region = plate_region(normalized_bounds_of_rectangle(floor, 0, level, map), camera, 0);
+    const Region region = plate_region(normalized_bounds_of_rectangle(floor, 0, level, map), camera, map, 0);
     EXPECT_FALSE(region.empty());
     EXPECT_GT(region.y, 150);  // nothing of the floor above the horizon, which is the middle row
     EXPECT_EQ(region.y + region.height, camera.height);
