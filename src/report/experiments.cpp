@@ -16,6 +16,7 @@ const std::vector<NamedExperiment>& all_experiments() {
                                                              {"diffraction", diffraction_experiment},
                                                              {"motion_blur", motion_blur_experiment},
                                                              {"depth_of_field", depth_of_field_experiment},
+                                                             {"surface_defocus", surface_defocus_experiment},
                                                              {"grain", grain_experiment},
                                                              {"chromatic_aberration", chromatic_aberration_experiment},
                                                              {"softness", softness_experiment}};

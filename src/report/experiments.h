@@ -44,6 +44,8 @@ std::optional<Experiment> classic_streaks_experiment(const SceneStage& stage, co
 
 /// Depth of field: every level, `gather` at every quality, and points of the lens by their number.
 std::optional<Experiment> depth_of_field_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// The shadow on the real surface out of focus.
+std::optional<Experiment> surface_defocus_experiment(const SceneStage& stage, const ExperimentOptions& options);
 /// Noise on what is virtual.
 std::optional<Experiment> grain_experiment(const SceneStage& stage, const ExperimentOptions& options);
 /// Red and blue displaced: against the scene drawn by a lens for each colour.

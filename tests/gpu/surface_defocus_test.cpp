@@ -127,9 +127,9 @@ protected:
         for (int y = 0; y < height; y += 3) {
             for (int x = 0; x < width; x += 3) {
                 const double coc_px = std::max(std::abs(focus.coc_px(x, y)), 1.0);
-                // Where an edge crosses a disc of few texels, two of them may count or not; wide discs have eight of
+                // Where an edge crosses a disc of few texels, two of them may count or not; wide discs have six of
                 // them across or more.
-                const double across = std::min(coc_px, 8.0);
+                const double across = std::min(coc_px, 6.0);
                 const double texels = bokeh_area(lens.bokeh) / 4 * across * across;
                 const double bound = 0.02 + 2 / texels;
                 const double expected =

@@ -49,9 +49,9 @@ void SurfaceDefocusKnobs::check() const {
 SurfaceDefocusKnobs surface_defocus_knobs(QualityLevel quality) {
     switch (quality) {
         case QualityLevel::draft:
-            return {.class_texels = 4, .texel_samples = 2, .smooth_bend = 0.064};
+            return {.class_texels = 3, .texel_samples = 2, .smooth_bend = 0.064};
         case QualityLevel::preview:
-            return {.class_texels = 6, .texel_samples = 2, .smooth_bend = 0.048};
+            return {.class_texels = 4, .texel_samples = 2, .smooth_bend = 0.048};
         case QualityLevel::reference:
             return {.class_texels = 16, .texel_samples = 8, .smooth_bend = 0};
         case QualityLevel::final_:

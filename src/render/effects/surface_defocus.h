@@ -20,7 +20,7 @@ namespace matchlight {
 
 /// What trades error for time.
 struct SurfaceDefocusKnobs {
-    double class_texels = 8;  // least diameter of a circle on texels coarser than a pixel; the widest are twice as wide
+    double class_texels = 6;  // least diameter of a circle on texels coarser than a pixel; the widest are twice as wide
     int texel_samples = 4;    // at most, of the shadow along a texel's side
     /// Where the shadow bends by no more than this share of the light (ShadowDetail), texels may be as coarse as it is
     /// smooth: an eighth of it is what is lost, here a code of 8 bits. 0: nowhere.
