@@ -59,6 +59,13 @@ void focus_reflection(vec3 n, vec3 v, float distance_m, vec3 dx, vec3 dy) {
     reflection_left_px = sqrt(max(image_px * image_px - drawn_px * drawn_px, 0.0));
 }
 
+// Whether a lobe of this deviation blurs the reflection so far that the disc that is left would widen it by half a percent
+// at most: a hundredth of its variance.
+bool is_blurred_by(float lobe) {
+    float turn2 = 0.5 * (dot(reflection_dx, reflection_dx) + dot(reflection_dy, reflection_dy));
+    return turn2 * reflection_left_px * reflection_left_px / 16.0 < 0.01 * lobe * lobe;
+}
+
 // The turn of the reflection through one of `count` points spread evenly over the disc that is left: a sunflower's.
 vec3 turn_through_lens(int i, int count) {
     const float golden_angle = 2.39996323;
