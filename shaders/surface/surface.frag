@@ -53,7 +53,8 @@ vec3 mirrored_radiance(vec3 direction, float roughness) {
 #ifdef LENS
     // As many points as the disc has pixels; more than a few dozen are not told apart. A single point is in the loop, too:
     // of two ways some drivers go both.
-    int count = reflection_left_px >= least_left_px && !is_blurred_by(lobe_width * roughness * roughness) ? clamp(int(reflection_left_px * reflection_left_px), 8, 64) : 1;
+    bool is_spread = reflection_left_px >= least_left_px && !is_blurred_by(lobe_width * roughness * roughness);
+    int count = is_spread ? clamp(int(reflection_left_px * reflection_left_px), 8, 64) : 1;
     vec3 sum = vec3(0.0);
     for (int i = 0; i < count; ++i) {
         vec3 turned = count == 1 ? direction : normalize(direction + turn_through_lens(i, count));
