@@ -1,0 +1,82 @@
+// What a compositor holds over the clip, and the steps that a frame takes.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "compositor/camera_effects.h"
+#include "compositor/clip_light.h"
+#include "compositor/compositor.h"
+#include "compositor/frame_passes.h"
+#include "compositor/lens_map.h"
+#include "compositor/quality.h"
+#include "compositor/reach.h"
+#include "compositor/scene_focus.h"
+#include "compositor/scene_objects.h"
+#include "gl/shader_library.h"
+#include "render/composite_pass.h"
+#include "render/surface.h"
+
+namespace matchlight {
+
+struct Compositor::Impl {
+    Impl(GlContext& gl_context, const Scene& scene, const Solve& the_solve, const CompositorOptions& the_options,
+         Warnings& the_warnings);
+
+    void load_objects(const Scene& scene, Warnings& warnings);
+    /// Makes the light's maps, those that are there already excepted.
+    void make_light();
+    /// Puts objects where they are in the frame, and their shadows with them.
+    void place_objects(const SolvedFrame& frame);
+    void prepare_composite(const PlateFormat& format);
+    const Response& response_of(const PlateFormat& format) const;
+    FrameOptics optics_of(const SolvedFrame& frame) const;
+    /// What a frame needs drawn; nullopt where it stays as it came.
+    std::optional<FramePlan> plan_of(const PlateFrame& plate, bool whole_frame);
+    FrameResources resources();
+    /// Sets the levels that the largest of some frames over the clip has time for.
+    void keep_to_budget(const FrameBudget& budget);
+    /// Also extends `object_bounds` (normalised coordinates) by every object in view.
+    Reach reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
+                   Eigen::AlignedBox2d& object_bounds, const LayerEffectPlan& spread = {});
+    /// Where the shadow on the real surface can be seen; nowhere where there is none.
+    ShadowReach shadow_reach(const PlateFormat& format);
+    /// Sets how the shadow is out of focus, or why it is not.
+    void plan_surface_defocus(FramePlan& plan, const PlateFormat& format);
+    /// Also sets how the lens is focused.
+    LayerEffectPlan layer_effects_of(const SolvedFrame& frame, FrameOptics& optics);
+    std::optional<FrameDefocus> defocus_of(const SolvedFrame& frame, FrameOptics& optics);
+    /// `left_out` says why there is none where the scene asks for it.
+    std::optional<FrameMotion> motion_of(const SolvedFrame& frame, std::string& left_out);
+    /// What is done to the layer on plate pixels.
+    void plan_sensor(FramePlan& plan);
+
+    GlContext& context;
+    Solve solve;
+    CompositorOptions options;
+    Quality quality;
+    Warnings& warnings;
+    std::optional<double> virtual_fps;  // of a scene without footage
+    ShaderLibrary shaders;
+    SurfaceRenderer surfaces;
+    std::optional<SceneObjects> scene_objects;
+    RenderGraph graph;
+    std::optional<ClipLight> light;
+    std::optional<LevelChoice> level_choice;    // by the budget
+    std::optional<Background> background;       // of a scene without footage
+    std::optional<ShadowDetail> shadow_detail;  // made with the first frame that is out of focus
+    std::optional<ShadowFootprint> footprint;   // made with the first frame, whose depth sets the limit
+    SceneFocus scene_focus;
+    LensMap lens_map;
+    std::unique_ptr<CompositePass> composite_pass;
+    SurfaceAccumulator accumulator{shaders};
+    GatherDefocus gather{shaders};
+    SurfaceDefocus surface_defocus{shaders};
+    GrainNoise grain_noise{shaders};
+    CameraEffects effects;
+    Response pq = Response::pq();
+    Response hlg = Response::hlg();
+};
+
+}  // namespace matchlight

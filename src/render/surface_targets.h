@@ -1,0 +1,108 @@
+// The textures that SurfaceRenderer draws into.
+#pragma once
+
+#include <algorithm>
+
+#include "gl/framebuffer.h"
+#include "gl/objects.h"
+#include "render/surface.h"
+
+namespace matchlight {
+
+/// What draws go into; grown to the largest view met, so that views whose size changes do not allocate every time.
+struct SurfaceRenderer::Targets {
+    /// One picture that is not multisampled.
+    struct ColorAndDepth {
+        Texture2D color, depth;
+        Framebuffer target;
+    };
+    /// Beside a picture, how the lens focuses it; into the picture's own colour and depth.
+    struct WithFocus {
+        Texture2D focus_share;
+        Framebuffer target;
+        GLuint color = 0, depth = 0;  // what the target holds besides
+    };
+    Texture2D multisampled_color, multisampled_depth;
+    Framebuffer multisampled;
+    Texture2D color, depth;  // depth only where nothing is multisampled
+    Framebuffer resolved;
+    ColorAndDepth hidden, ways;
+    Texture2D transparent_color;
+    WithFocus focused, hidden_focused, transparent;
+    Texture2D layer_depth_m, layer_normal, layer_id, layer_depth;
+    Framebuffer layers;
+
+    static constexpr GLenum color_format = GL_RGBA16F;
+    static constexpr GLenum depth_format = GL_DEPTH_COMPONENT32F;
+
+    static bool holds(const Texture2D& texture, const SurfaceView& view, int samples) {
+        return texture && texture.width() >= view.width && texture.height() >= view.height &&
+               texture.shape().samples == samples;
+    }
+    /// A view's size in whole steps, not below what was there.
+    static TextureShape shape_for(const Texture2D& before, const SurfaceView& view) {
+        constexpr int step = 64;
+        const auto rounded = [](int size) { return (size + step - 1) / step * step; };
+        TextureShape shape;
+        shape.width = std::max(rounded(view.width), before ? before.width() : 0);
+        shape.height = std::max(rounded(view.height), before ? before.height() : 0);
+        return shape;
+    }
+
+    void fit_color(const SurfaceView& view, int samples) {
+        const bool needs_depth = samples == 1;
+        if (!holds(color, view, 0) || (needs_depth && !depth)) {
+            TextureShape shape = shape_for(color, view);
+            shape.format = color_format;
+            color = Texture2D(shape);
+            shape.format = depth_format;
+            depth = needs_depth ? Texture2D(shape) : Texture2D();
+            resolved = needs_depth ? Framebuffer({color}, depth) : Framebuffer({color});
+        }
+        if (samples > 1 && !holds(multisampled_color, view, samples)) {
+            TextureShape shape = shape_for(multisampled_color, view);
+            shape.samples = samples;
+            shape.format = color_format;
+            multisampled_color = Texture2D(shape);
+            shape.format = depth_format;
+            multisampled_depth = Texture2D(shape);
+            multisampled = Framebuffer({multisampled_color}, multisampled_depth);
+        }
+    }
+    void fit_layers(const SurfaceView& view) {
+        if (holds(layer_depth_m, view, 0)) return;
+        TextureShape shape = shape_for(layer_depth_m, view);
+        shape.format = GL_R32F;
+        layer_depth_m = Texture2D(shape);
+        shape.format = GL_RGBA16F;
+        layer_normal = Texture2D(shape);
+        shape.format = GL_R32UI;
+        layer_id = Texture2D(shape);
+        shape.format = depth_format;
+        layer_depth = Texture2D(shape);
+        layers = Framebuffer({layer_depth_m, layer_normal, layer_id}, layer_depth);
+    }
+    static void fit(WithFocus& focused, const Texture2D& color, const Texture2D& depth) {
+        if (focused.focus_share && focused.focus_share.width() == color.width() &&
+            focused.focus_share.height() == color.height() && focused.color == color.name() &&
+            focused.depth == depth.name())
+            return;
+        TextureShape shape;
+        shape.width = color.width();
+        shape.height = color.height();
+        shape.format = GL_R32F;
+        focused = {.focus_share = Texture2D(shape), .target = {}, .color = color.name(), .depth = depth.name()};
+        focused.target = Framebuffer({color, focused.focus_share}, depth);
+    }
+    static void fit(ColorAndDepth& pair, const SurfaceView& view, GLenum format) {
+        if (holds(pair.color, view, 0)) return;
+        TextureShape shape = shape_for(pair.color, view);
+        shape.format = format;
+        pair.color = Texture2D(shape);
+        shape.format = depth_format;
+        pair.depth = Texture2D(shape);
+        pair.target = Framebuffer({pair.color}, pair.depth);
+    }
+};
+
+}  // namespace matchlight
