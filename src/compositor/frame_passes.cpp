@@ -103,7 +103,6 @@ CompositeInput FramePasses::with_layer_effects(CompositeInput input) {
                                        .layer_density = layer_.fx / resources_.camera.fx,
                                        .parts_transparent = parts_transparent(),
                                        .objects = objects,
-                                       .defocus_quality = resources_.quality.depth_of_field,
                                        .motion_quality = resources_.quality.motion_blur},
                                       effects);
     return input;

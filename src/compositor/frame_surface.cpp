@@ -69,14 +69,13 @@ GraphTexture FramePasses::add_surface(bool layers) {
                     .provides = {drawn},
                     .bytes = bytes_a_sample * view.width * view.height * view.samples,
                     .draw = [this, view, pinhole, layers](PassRun&) {
+                        const ClipLight& lit = resources_.light;
                         layer_.picture = draw_surface(view, pinhole);
                         layer_.hidden = layer_.transparent = {};
-                        if (plan_.layer_effects.needs_hidden(resources_.quality.depth_of_field)) {
-                            const ClipLight& lit = resources_.light;
+                        if (plan_.layer_effects.needs_hidden()) {
                             layer_.hidden = resources_.surfaces.draw_hidden(lit.environment(), view, lit.shading());
                         }
                         if (view.lens && view.lens->parts_transparent) {
-                            const ClipLight& lit = resources_.light;
                             layer_.transparent =
                                 resources_.surfaces.draw_transparent(lit.environment(), view, lit.shading());
                         }

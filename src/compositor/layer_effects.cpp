@@ -20,7 +20,7 @@ constexpr double most_magnification = 1.25;
 
 GraphTexture add_gather(RenderGraph& graph, const LayerEffectInput& input, const FrameDefocus& defocus) {
     const bool is_straight = input.input.layer != nullptr && input.input.layer->whole_density > 0;
-    GatherKnobs knobs = gather_knobs(input.defocus_quality);
+    GatherKnobs knobs = gather_knobs(defocus.quality);
     GatherInput gathered{.layer_drawn = input.input.layer_drawn,
                          .bind_layer = [&composite = input.composite,
                                         layer = input.input](Program& program) { composite.set_layer(program, layer); },
@@ -118,8 +118,8 @@ int LayerEffectPlan::samples() const {
     return std::max(of_lens, samples_time() ? sub_frame_count(motion->settings) : 1);
 }
 
-bool LayerEffectPlan::needs_hidden(QualityLevel quality) const {
-    return defocus && defocus->settings.level == DepthOfFieldLevel::gather && gather_knobs(quality).hidden;
+bool LayerEffectPlan::needs_hidden() const {
+    return defocus && defocus->settings.level == DepthOfFieldLevel::gather && gather_knobs(defocus->quality).hidden;
 }
 
 namespace {
@@ -134,7 +134,7 @@ GraphTexture add_defocused(RenderGraph& graph, const LayerEffectInput& input, co
                         .focus = input.input.optics.focus,
                         .range = defocus.objects,
                         .bokeh = defocus.settings.bokeh},
-                       defocus.settings.level, input.defocus_quality);
+                       defocus.settings.level, defocus.quality);
 }
 
 GraphTexture add_smeared(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan,

@@ -74,7 +74,7 @@ struct LayerEffectPlan {
     /// Whether the layer is drawn from many points of the lens instead of being blurred afterwards.
     bool samples_lens() const;
     /// Whether what the nearest surface hides is drawn, too.
-    bool needs_hidden(QualityLevel quality) const;
+    bool needs_hidden() const;
     /// Whether it is drawn at many times. Points of the lens each have a time of their own, whatever the level.
     bool samples_time() const;
     /// Pictures that are drawn of the layer.
@@ -92,7 +92,6 @@ struct LayerEffectInput {
     double layer_density = 1;        // layer pixels along a plate pixel
     bool parts_transparent = false;  // the layer has them apart
     Region objects;                  // plate pixels that the blurred layer can reach
-    QualityLevel defocus_quality = QualityLevel::final_;
     QualityLevel motion_quality = QualityLevel::final_;
 };
 

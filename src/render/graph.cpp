@@ -81,15 +81,6 @@ int divided_down(int value, int by) {
     return value >= 0 ? value / by : -((-value + by - 1) / by);
 }
 
-/// Texels of `scale` that hold the pixels of `frame_pixels`.
-Region texels_over(const Region& frame_pixels, int scale) {
-    if (frame_pixels.empty()) return {};
-    const int left = divided_down(frame_pixels.x, scale);
-    const int top = divided_down(frame_pixels.y, scale);
-    return {left, top, divided_down(frame_pixels.x + frame_pixels.width - 1, scale) + 1 - left,
-            divided_down(frame_pixels.y + frame_pixels.height - 1, scale) + 1 - top};
-}
-
 double bytes_per_texel(GLenum format) {
     switch (format) {
         case GL_NONE:
@@ -116,6 +107,14 @@ double bytes_per_texel(GLenum format) {
 }
 
 }  // namespace
+
+Region texels_over(const Region& pixels, int scale) {
+    if (pixels.empty()) return {};
+    const int left = divided_down(pixels.x, scale);
+    const int top = divided_down(pixels.y, scale);
+    return {left, top, divided_down(pixels.x + pixels.width - 1, scale) + 1 - left,
+            divided_down(pixels.y + pixels.height - 1, scale) + 1 - top};
+}
 
 double GraphShape::bytes() const {
     return bytes_per_texel(format) * region.width * region.height;

@@ -80,6 +80,9 @@ struct PassReport {
     double bandwidth_bounds = 0;  // ms as a multiple of moving the bytes once
 };
 
+/// Texels of `scale` along a side that hold the pixels of a region; those of nothing are nothing.
+Region texels_over(const Region& pixels, int scale);
+
 class RenderGraph {
 public:
     RenderGraph();

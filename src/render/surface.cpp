@@ -53,6 +53,15 @@ void begin_clearing(const Region& region) {
     glScissor(region.x, region.y, region.width, region.height);
 }
 
+/// Empties the part of the target that the view takes, and draws there.
+void begin_drawing(const Framebuffer& target, const Region& region, int colors, bool clears_depth = true) {
+    target.bind(region);
+    begin_clearing(region);
+    for (int i = 0; i < colors; ++i) target.clear_color(i, 0, 0, 0, 0);
+    if (clears_depth) target.clear_depth();
+    glDisable(GL_SCISSOR_TEST);
+}
+
 void set_opaque_state() {
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
@@ -293,12 +302,7 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     const Framebuffer& target = view.lens     ? targets_->focused.target
                                 : samples > 1 ? targets_->multisampled
                                               : targets_->resolved;
-    target.bind(region);
-    begin_clearing(region);
-    target.clear_color(0, 0, 0, 0, 0);
-    if (view.lens) target.clear_color(1, 0, 0, 0, 0);
-    target.clear_depth();
-    glDisable(GL_SCISSOR_TEST);
+    begin_drawing(target, region, view.lens ? 2 : 1);
     draw_meshes(program, view, view.lens && view.lens->parts_transparent ? Drawn::opaque_light : Drawn::light);
     if (samples > 1) target.resolve_color_to(targets_->resolved, region);
     return {.width = view.width,
@@ -319,12 +323,7 @@ SurfacePicture SurfaceRenderer::draw_transparent(const Environment& environment,
     Targets::fit(targets_->transparent, targets_->transparent_color, targets_->depth);
     Program& program = light_program(environment, view, shading);
     const Region region{0, 0, view.width, view.height};
-    const Framebuffer& target = targets_->transparent.target;
-    target.bind(region);
-    begin_clearing(region);
-    target.clear_color(0, 0, 0, 0, 0);
-    target.clear_color(1, 0, 0, 0, 0);
-    glDisable(GL_SCISSOR_TEST);
+    begin_drawing(targets_->transparent.target, region, 2, false);
     draw_meshes(program, view, Drawn::transparent_light);
     return {.width = view.width,
             .height = view.height,
@@ -339,12 +338,7 @@ SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, cons
     if (view.lens) Targets::fit(targets_->hidden_focused, targets_->hidden.color, targets_->hidden.depth);
     const Region region{0, 0, view.width, view.height};
     const Framebuffer& target = view.lens ? targets_->hidden_focused.target : targets_->hidden.target;
-    target.bind(region);
-    begin_clearing(region);
-    target.clear_color(0, 0, 0, 0, 0);
-    if (view.lens) target.clear_color(1, 0, 0, 0, 0);
-    target.clear_depth();
-    glDisable(GL_SCISSOR_TEST);
+    begin_drawing(target, region, view.lens ? 2 : 1);
     // First where it is, then how it looks: so that little of it is shaded in vain, for mostly little is hidden.
     Program& depth = shaders_.program(
         {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/hidden_depth.frag"}});
@@ -392,11 +386,7 @@ const Texture2D& SurfaceRenderer::draw_ways(const SurfaceView& view, std::span<c
     program.use();
     program.set("near_m", near_plane_m);
     const Region region{0, 0, view.width, view.height};
-    targets_->ways.target.bind(region);
-    begin_clearing(region);
-    targets_->ways.target.clear_color(0, 0, 0, 0, 0);
-    targets_->ways.target.clear_depth();
-    glDisable(GL_SCISSOR_TEST);
+    begin_drawing(targets_->ways.target, region, 1);
     draw_meshes(program, view, Drawn::layers, [&](std::size_t index) {
         const ObjectWay& way = ways[index];
         program.set("opening_camera_from_model", Eigen::Matrix4f(way.opening_camera_from_model.cast<float>()));

@@ -31,11 +31,17 @@ Quality quality_with(QualityLevel level) {
     return quality;
 }
 
+/// The real surface's light without its shadow, over the region.
+ImageF unshadowed_light(const Compositor& compositor, const SceneStage& stage, const CompositedFrame& frame,
+                        const Region& region) {
+    const ImageF& background = frame.layers->background;
+    return cropped(background.empty() ? compositor.plate_linear(*stage.plate) : background, region);
+}
+
 /// The surface's light under its shadow, over the frame's region, without the objects before it.
 ImageF surface_light(const Compositor& compositor, const SceneStage& stage, const CompositedFrame& frame,
                      const Region& region) {
-    ImageF light = cropped(
-        frame.layers->background.empty() ? compositor.plate_linear(*stage.plate) : frame.layers->background, region);
+    ImageF light = unshadowed_light(compositor, stage, frame, region);
     const Region& had = frame.layers->region;
     for (int y = 0; y < region.height; ++y) {
         for (int x = 0; x < region.width; ++x) {
@@ -96,8 +102,7 @@ std::optional<Experiment> surface_defocus_experiment(const SceneStage& stage, co
     experiment.report.name = "surface_defocus";
     experiment.report.what =
         "The shadow on the real surface, out of focus as the surface is; objects are sharp, and not in the picture. "
-        "The "
-        "whole frame is timed.";
+        "The whole frame is timed.";
     experiment.report.unit = WorkUnit::frame;
     experiment.stopwatch = Stopwatch::wall;
     const auto first = stage.compositor(shadow_scene(stage, settings), quality_with(QualityLevel::final_), true);
@@ -126,8 +131,7 @@ std::optional<Experiment> surface_defocus_experiment(const SceneStage& stage, co
                          .lens_steps = static_cast<int>(std::clamp(std::sqrt(rays_a_pixel), 8.0, 64.0))};
     experiment.report.reference = fmt::format("{} × {} points of the square around the opening, in double precision",
                                               view.lens_steps, view.lens_steps);
-    const ImageF light = cropped(
-        sharp.layers->background.empty() ? plain->plate_linear(*stage.plate) : sharp.layers->background, region);
+    const ImageF light = unshadowed_light(*plain, stage, sharp, region);
     const SurfaceRatio ratio = ratio_of(stage, *sharp.layers);
     experiment.reference = reference_light(stage, light, region, view, ratio);
     view.lens_steps /= 2;

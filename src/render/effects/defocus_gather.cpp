@@ -154,7 +154,7 @@ private:
 
     /// Which classes each tile shows, and which reach it.
     void add_tiles() {
-        const Region tiles = texels_of(graph_.shape(circles_).region, mask_tile_px);
+        const Region tiles = texels_over(graph_.shape(circles_).region, mask_tile_px);
         const auto add_tile_pass = [&](const char* name, GraphTexture source, std::function<void(PassRun&)> draw) {
             return graph_.add_pass({.name = name,
                                     .reads = {{source}},
@@ -217,7 +217,7 @@ private:
     ClassPicture add_class(int own_class) {
         const int texel_px = texel_px_of(own_class, knobs_);
         const std::string name = fmt::format("defocus/{} {}", own_class < 0 ? "near" : "far", std::abs(own_class));
-        const Region target = texels_of(input_.region, texel_px).grown(1);
+        const Region target = texels_over(input_.region, texel_px).grown(1);
         const GLenum wide = knobs_.full_float ? GL_RGBA32F : GL_RGBA16F;
         const std::vector<GraphTexture> sorted = graph_.add_pass(
             {.name = name + " sorted",
@@ -246,7 +246,7 @@ private:
                                     });
              }});
         const GraphTexture discs = sorted[1];
-        const Region tiles = texels_of(graph_.shape(discs).region, tile_texels);
+        const Region tiles = texels_over(graph_.shape(discs).region, tile_texels);
         // Of each tile, then of each with those around it, as far as a disc covers whole texels' middles.
         const int farthest_texels = static_cast<int>(std::floor(widest_disc_texels(own_class, input_, knobs_) + 0.5));
         const int tiles_around = (farthest_texels + tile_texels - 1) / tile_texels;
@@ -325,14 +325,6 @@ private:
             }
         };
         return graph_.add_pass(std::move(pass))[0];
-    }
-
-    static Region texels_of(const Region& pixels, int texel_px) {
-        const auto down = [&](int value) {
-            return static_cast<int>(std::floor(static_cast<double>(value) / texel_px));
-        };
-        const int left = down(pixels.x), top = down(pixels.y);
-        return {left, top, down(pixels.x + pixels.width - 1) + 1 - left, down(pixels.y + pixels.height - 1) + 1 - top};
     }
 
     RenderGraph& graph_;

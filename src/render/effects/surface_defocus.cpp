@@ -29,12 +29,6 @@ int class_of(double width_px, double class_texels) {
     return width_px < 2 * class_texels ? 0 : static_cast<int>(std::floor(std::log2(width_px / class_texels)));
 }
 
-Region texels_over(const Region& pixels, int texel_px) {
-    const auto down = [&](int value) { return static_cast<int>(std::floor(static_cast<double>(value) / texel_px)); };
-    const int left = down(pixels.x), top = down(pixels.y);
-    return {left, top, down(pixels.x + pixels.width - 1) + 1 - left, down(pixels.y + pixels.height - 1) + 1 - top};
-}
-
 }  // namespace
 
 void SurfaceDefocusKnobs::check() const {
