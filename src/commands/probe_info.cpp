@@ -1,0 +1,138 @@
+// matchlight probe info: what a light probe holds.
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "commands/probe_commands.h"
+#include "commands/probe_options.h"
+#include "commands/result.h"
+#include "lighting/dominant_lights.h"
+#include "lighting/probe_file.h"
+
+namespace matchlight {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct ProbeInfoOptions {
+    fs::path probe;
+    std::optional<ProbeMapping> from;
+};
+
+/// Azimuth counter-clockwise from world +x seen from above, elevation above the horizon.
+double azimuth_deg(const Eigen::Vector3d& direction) {
+    return std::atan2(direction.y(), direction.x()) * 180 / std::numbers::pi;
+}
+double elevation_deg(const Eigen::Vector3d& direction) {
+    return std::atan2(direction.z(), std::hypot(direction.x(), direction.y())) * 180 / std::numbers::pi;
+}
+
+struct NamedDirection {
+    const char* name;
+    Eigen::Vector3d direction;
+};
+const std::array<NamedDirection, 6> six_directions = {{{"+x", {1, 0, 0}},
+                                                       {"-x", {-1, 0, 0}},
+                                                       {"+y", {0, 1, 0}},
+                                                       {"-y", {0, -1, 0}},
+                                                       {"+z", {0, 0, 1}},
+                                                       {"-z", {0, 0, -1}}}};
+const std::array<const char*, 9> sh_names = {"0, 0", "1,-1", "1, 0", "1, 1", "2,-2", "2,-1", "2, 0", "2, 1", "2, 2"};
+
+void run_info(const ProbeInfoOptions& options, CommandContext& context) {
+    const ProbeImage file = read_probe_image(options.probe, options.from, context.warnings);
+    const Probe probe = unwrapped(file);
+    const ProbeStatistics statistics = probe_statistics(probe);
+    const auto lights = dominant_lights(probe);
+    const SphericalHarmonics9 sh = project_to_sh(probe);
+    const std::int64_t clipped = clipped_pixels(file.image);
+    const std::int64_t repaired = file.repairs.not_a_number + file.repairs.infinite + file.negative_samples;
+
+    std::string mapping = name_of(file.layout.mapping);
+    json result{{"file", options.probe.string()},
+                {"width", file.layout.width},
+                {"height", file.layout.height},
+                {"mapping", mapping},
+                {"recognised_by", file.recognised_by}};
+    if (file.layout.mapping == ProbeMapping::cube) {
+        result["cube_layout"] = name_of(file.layout.cube);
+        result["face_size"] = file.layout.face_size();
+        mapping += " (" + name_of(file.layout.cube) + ")";
+    }
+    if (file.layout.edge_centred) mapping += ", pixel centres on the edges (OpenEXR envmap)";
+    result["edge_centred"] = file.layout.edge_centred;
+    result["latlong"] = {{"width", probe.latlong.width()}, {"height", probe.latlong.height()}};
+    result["luminance"] = {{"mean", statistics.mean_luminance},
+                           {"median", statistics.median_luminance},
+                           {"largest", statistics.largest_luminance},
+                           {"least_positive", statistics.least_positive_luminance},
+                           {"dynamic_range_ev", statistics.dynamic_range_ev()}};
+    result["mean_radiance"] = rgb_json(statistics.mean_radiance);
+    result["black_share"] = statistics.black_share;
+    result["clipped_pixels"] = clipped;
+    result["repaired_samples"] = {{"nan", file.repairs.not_a_number},
+                                  {"infinite", file.repairs.infinite},
+                                  {"negative", file.negative_samples},
+                                  {"beyond_half", file.repairs.beyond_half}};
+
+    std::string text = fmt::format("{}: {} x {} pixels, {}, recognised by {}\n", options.probe.string(),
+                                   file.layout.width, file.layout.height, mapping, file.recognised_by);
+    text += fmt::format("luminance: mean {:.4g}, median {:.4g}, largest {:.4g}, least above black {:.4g}: {:.1f} EV\n",
+                        statistics.mean_luminance, statistics.median_luminance, statistics.largest_luminance,
+                        statistics.least_positive_luminance, statistics.dynamic_range_ev());
+    text += fmt::format("mean radiance{}\n", rgb_text(statistics.mean_radiance));
+    text += fmt::format("clipped pixels: {}; repaired samples: {}; black: {:.1f} % of the sphere\n", clipped, repaired,
+                        100 * statistics.black_share);
+
+    text += "irradiance of a surface that faces        r          g          b\n";
+    for (const auto& [name, direction] : six_directions) {
+        const Eigen::Vector3d e = irradiance(probe, direction);
+        result["irradiance"][name] = rgb_json(e);
+        text += fmt::format("  {:<30}{}\n", name, rgb_text(e));
+    }
+    text += "spherical harmonics of radiance (l, m)\n";
+    for (std::size_t i = 0; i < sh.size(); ++i) {
+        result["spherical_harmonics"].push_back(rgb_json(sh[i]));
+        text += fmt::format("  {:<30}{}\n", sh_names[i], rgb_text(sh[i]));
+    }
+    result["dominant_lights"] = json::array();
+    text += lights.empty() ? "no dominant light\n"
+                           : "dominant lights: azimuth from +x, elevation, direction, solid angle, share of power, "
+                             "power (radiance x sr)\n";
+    for (const DominantLight& light : lights) {
+        result["dominant_lights"].push_back({{"direction", rgb_json(light.direction)},
+                                             {"azimuth_deg", azimuth_deg(light.direction)},
+                                             {"elevation_deg", elevation_deg(light.direction)},
+                                             {"solid_angle_sr", light.solid_angle_sr},
+                                             {"power", rgb_json(light.power)},
+                                             {"power_share", light.power_share},
+                                             {"peak_luminance", light.peak_luminance}});
+        text += fmt::format("  {:7.2f}° {:6.2f}°  ({:6.3f}, {:6.3f}, {:6.3f})  {:8.3g} sr  {:5.1f} %{}\n",
+                            azimuth_deg(light.direction), elevation_deg(light.direction), light.direction.x(),
+                            light.direction.y(), light.direction.z(), light.solid_angle_sr, 100 * light.power_share,
+                            rgb_text(light.power));
+    }
+    print_result(context, result, text);
+}
+
+}  // namespace
+
+void add_probe_info_command(CLI::App& probe, CommandContext& context) {
+    CLI::App* command = probe.add_subcommand(
+        "info", "Range, average, irradiance, spherical harmonics, dominant lights, clipped pixels");
+    const auto options = std::make_shared<ProbeInfoOptions>();
+    command->add_option("PROBE", options->probe, "An .exr or .hdr image of all directions")->required();
+    add_from_option(*command, options->from);
+    command->callback([options, &context] { run_info(*options, context); });
+}
+
+}  // namespace matchlight
