@@ -13,8 +13,8 @@ packages=(
     nlohmann-json3-dev
     # footage and images
     libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libopencv-dev libopenexr-dev libopenimageio-dev
-    # tracking
-    libapriltag-dev libceres-dev libopencv-contrib-dev
+    # tracking, boards to print, and what the tests render these with again
+    libapriltag-dev libcairo2-dev libceres-dev libopencv-contrib-dev librsvg2-bin poppler-utils
     # models and drawing; Mesa's software rasteriser serves where there is no GPU
     libassimp-dev libegl-dev libegl1 libegl-mesa0 libepoxy-dev libfftw3-dev libgl1-mesa-dri libglfw3-dev libglm-dev
     # a screen for the tests of the preview's window, where there is none

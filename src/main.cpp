@@ -20,6 +20,7 @@ using AddCommand = void (*)(CLI::App&, CommandContext&);
 // One line a command, in the order the help shows them.
 // clang-format off
 const std::vector<AddCommand> command_table = {
+    matchlight::add_board_command,
     matchlight::add_calibrate_command,
     matchlight::add_lens_command,
     matchlight::add_probe_command,

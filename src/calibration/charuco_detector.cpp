@@ -1,7 +1,6 @@
 // ChArUco boards: markers by OpenCV, the chessboard's corners between them measured in linear light.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -10,63 +9,14 @@
 #include <fmt/format.h>
 #include <opencv2/aruco.hpp>
 
+#include "calibration/aruco_dictionary.h"
 #include "calibration/board_detector.h"
 #include "calibration/corner_net.h"
-#include "core/error.h"
 
 namespace matchlight {
 namespace {
 
 using Eigen::Vector2d;
-
-struct NamedDictionary {
-    const char* name;
-    int id;
-    int markers;
-};
-constexpr std::array<NamedDictionary, 21> dictionaries = {{
-    {"DICT_4X4_50", cv::aruco::DICT_4X4_50, 50},
-    {"DICT_4X4_100", cv::aruco::DICT_4X4_100, 100},
-    {"DICT_4X4_250", cv::aruco::DICT_4X4_250, 250},
-    {"DICT_4X4_1000", cv::aruco::DICT_4X4_1000, 1000},
-    {"DICT_5X5_50", cv::aruco::DICT_5X5_50, 50},
-    {"DICT_5X5_100", cv::aruco::DICT_5X5_100, 100},
-    {"DICT_5X5_250", cv::aruco::DICT_5X5_250, 250},
-    {"DICT_5X5_1000", cv::aruco::DICT_5X5_1000, 1000},
-    {"DICT_6X6_50", cv::aruco::DICT_6X6_50, 50},
-    {"DICT_6X6_100", cv::aruco::DICT_6X6_100, 100},
-    {"DICT_6X6_250", cv::aruco::DICT_6X6_250, 250},
-    {"DICT_6X6_1000", cv::aruco::DICT_6X6_1000, 1000},
-    {"DICT_7X7_50", cv::aruco::DICT_7X7_50, 50},
-    {"DICT_7X7_100", cv::aruco::DICT_7X7_100, 100},
-    {"DICT_7X7_250", cv::aruco::DICT_7X7_250, 250},
-    {"DICT_7X7_1000", cv::aruco::DICT_7X7_1000, 1000},
-    {"DICT_ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL, 1024},
-    {"DICT_APRILTAG_16H5", cv::aruco::DICT_APRILTAG_16h5, 30},
-    {"DICT_APRILTAG_25H9", cv::aruco::DICT_APRILTAG_25h9, 35},
-    {"DICT_APRILTAG_36H10", cv::aruco::DICT_APRILTAG_36h10, 2320},
-    {"DICT_APRILTAG_36H11", cv::aruco::DICT_APRILTAG_36h11, 587},
-}};
-
-/// "DICT_5X5" alone means the smallest of them that has enough markers: the smaller ones begin the larger.
-const NamedDictionary& dictionary_of(const BoardSpec& board) {
-    std::string name = board.dictionary;
-    std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-    const int markers = board.columns * board.rows / 2;
-    for (const NamedDictionary& known : dictionaries) {
-        const std::string_view known_name = known.name;
-        const bool same = known_name == name;
-        const bool family = known_name.starts_with(name + "_") && known.markers >= markers;
-        if (!same && !family) continue;
-        if (known.markers < markers) {
-            throw InputError({}, fmt::format("the board has {} markers, {} only {}", markers, name, known.markers),
-                             "name a larger dictionary");
-        }
-        return known;
-    }
-    throw InputError({}, "the dictionary \"" + printable(board.dictionary) + "\" is not known",
-                     "OpenCV's names, such as DICT_5X5_100 or DICT_APRILTAG_36h11");
-}
 
 struct Marker {
     int id = 0;
@@ -94,7 +44,7 @@ std::vector<Marker> find_markers(const Image8& code, int dictionary) {
 class CharucoDetector : public BoardDetector {
 public:
     explicit CharucoDetector(const BoardSpec& board)
-        : board_(board), points_(board_corners_m(board)), dictionary_(dictionary_of(board).id) {
+        : board_(board), points_(board_corners_m(board)), dictionary_(aruco_dictionary_of(board).id) {
         place_markers(0);
         // With an odd number of rows both layouts are one; with an even number OpenCV has another since 4.6.1.
         if (board.rows % 2 == 0) place_markers(1);
@@ -114,7 +64,7 @@ public:
     std::string seen_instead(const BoardPicture& picture) const override {
         std::string most_name;
         std::size_t most = 3;  // fewer are chance
-        for (const NamedDictionary& known : dictionaries) {
+        for (const ArucoDictionary& known : aruco_dictionaries()) {
             // Only the largest of each kind: it holds the others.
             const std::string_view name = known.name;
             if (name.ends_with("_50") || name.ends_with("_100") || name.ends_with("_250")) continue;

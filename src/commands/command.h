@@ -16,6 +16,7 @@ struct CommandContext {
 };
 
 // One function a command: adds its subcommand to `app`; its callback runs the job and throws InputError to fail.
+void add_board_command(CLI::App& app, CommandContext& context);
 void add_calibrate_command(CLI::App& app, CommandContext& context);
 void add_compare_command(CLI::App& app, CommandContext& context);
 void add_doctor_command(CLI::App& app, CommandContext& context);

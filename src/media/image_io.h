@@ -47,8 +47,10 @@ std::optional<std::string> exr_envmap(const std::filesystem::path& path);
 /// Recorded in the file beside the pixels, such as the effective scene, version and seed.
 using ImageMetadata = std::map<std::string, std::string>;
 
-/// 1, 3 or 4 channels, sRGB; alpha, where there is any, as PNG has it: not premultiplied. Throws InputError.
-void write_png8(const std::filesystem::path& path, const Image8& pixels, const ImageMetadata& metadata = {});
+/// 1, 3 or 4 channels, sRGB; alpha, where there is any, as PNG has it: not premultiplied. The resolution, where given,
+/// tells printers how large the picture is. Throws InputError.
+void write_png8(const std::filesystem::path& path, const Image8& pixels, const ImageMetadata& metadata = {},
+                double pixels_per_inch = 0);
 void write_png16(const std::filesystem::path& path, const Image16& pixels, const ImageMetadata& metadata = {});
 
 /// One part of a multi-part EXR: named channels of one image, stored half or float.

@@ -18,7 +18,8 @@ namespace {
 constexpr int png_compression_level = 4;
 
 template <class Sample>
-void write_png(const std::filesystem::path& path, const Image<Sample>& pixels, const ImageMetadata& metadata) {
+void write_png(const std::filesystem::path& path, const Image<Sample>& pixels, const ImageMetadata& metadata,
+               double pixels_per_inch = 0) {
     assert(!pixels.empty() && (pixels.channels() == 1 || pixels.channels() == 3 || pixels.channels() == 4));
     const OIIO::TypeDesc type = sizeof(Sample) == 1 ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16;
     OIIO::ImageSpec spec(pixels.width(), pixels.height(), pixels.channels(), type);
@@ -26,6 +27,12 @@ void write_png(const std::filesystem::path& path, const Image<Sample>& pixels, c
     spec.attribute("oiio:ColorSpace", "sRGB");
     spec.attribute("oiio:UnassociatedAlpha", 1);
     for (const auto& [key, value] : metadata) spec.attribute(key, value);
+    if (pixels_per_inch > 0) {
+        spec.attribute("ResolutionUnit", "inch");
+        for (const char* axis : {"XResolution", "YResolution"}) {
+            spec.attribute(axis, static_cast<float>(pixels_per_inch));
+        }
+    }
 
     std::vector<unsigned char> bytes;
     OIIO::Filesystem::IOVecOutput memory(bytes);
@@ -39,8 +46,9 @@ void write_png(const std::filesystem::path& path, const Image<Sample>& pixels, c
 
 }  // namespace
 
-void write_png8(const std::filesystem::path& path, const Image8& pixels, const ImageMetadata& metadata) {
-    write_png(path, pixels, metadata);
+void write_png8(const std::filesystem::path& path, const Image8& pixels, const ImageMetadata& metadata,
+                double pixels_per_inch) {
+    write_png(path, pixels, metadata, pixels_per_inch);
 }
 
 void write_png16(const std::filesystem::path& path, const Image16& pixels, const ImageMetadata& metadata) {

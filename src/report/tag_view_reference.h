@@ -15,10 +15,10 @@
 
 #include "calibration/camera.h"
 #include "calibration/response.h"
+#include "calibration/tag_family.h"
 #include "core/image.h"
 #include "core/transforms.h"
 #include "media/plate.h"
-#include "tracking/tag_family.h"
 
 namespace matchlight {
 

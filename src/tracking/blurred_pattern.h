@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "tracking/tag_family.h"
+#include "calibration/tag_family.h"
 
 namespace matchlight {
 

@@ -6,9 +6,9 @@
 
 #include <Eigen/Core>
 
+#include "calibration/tag_family.h"
 #include "core/transforms.h"
 #include "lighting/probe.h"
-#include "tracking/tag_family.h"
 
 namespace matchlight {
 

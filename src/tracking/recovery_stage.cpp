@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "calibration/tag_family.h"
 #include "core/error.h"
 #include "core/median.h"
 #include "core/parallel.h"
@@ -14,7 +15,6 @@
 #include "core/stop.h"
 #include "tracking/plate_light.h"
 #include "tracking/rig_image_fit.h"
-#include "tracking/tag_family.h"
 #include "tracking/tag_fit.h"
 
 namespace matchlight {

@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "calibration/tag_family.h"
 #include "core/image.h"
-#include "tracking/tag_family.h"
 
 struct apriltag_detector;
 

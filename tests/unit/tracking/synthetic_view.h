@@ -7,10 +7,10 @@
 #include <Eigen/Core>
 
 #include "calibration/camera.h"
+#include "calibration/tag_family.h"
 #include "core/image.h"
 #include "core/transforms.h"
 #include "tracking/tag_detector.h"
-#include "tracking/tag_family.h"
 
 namespace matchlight::test {
 

@@ -1,5 +1,5 @@
 // AprilTag's family tables turned into cells.
-#include "tracking/tag_family.h"
+#include "calibration/tag_family.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Patterns of the families against known prints.
-#include "tracking/tag_family.h"
+#include "calibration/tag_family.h"
 
 #include <string>
 #include <vector>
