@@ -34,13 +34,14 @@ std::vector<Share> shares(int from, int to, const Measure& measure) {
     return result;
 }
 
-ImageF halved(const ImageF& image) {
-    const int width = std::max(1, image.width() / 2), height = std::max(1, image.height() / 2);
+}  // namespace
+
+ImageF shrunk_latlong(const ImageF& image, int width, int height) {
     const auto columns = shares(image.width(), width, [](double a, double b) { return b - a; });
     const auto rows = shares(image.height(), height, [](double a, double b) {
         return std::cos(a * std::numbers::pi) - std::cos(b * std::numbers::pi);
     });
-    ImageF half(width, height, image.channels());
+    ImageF shrunk(width, height, image.channels());
     parallel_for(height, [&](int y) {
         const Share& row = rows[static_cast<std::size_t>(y)];
         for (int x = 0; x < width; ++x) {
@@ -53,18 +54,19 @@ ImageF halved(const ImageF& image) {
                                image.at(column.first + static_cast<int>(i), row.first + static_cast<int>(j), c);
                     }
                 }
-                half.at(x, y, c) = static_cast<float>(sum);
+                shrunk.at(x, y, c) = static_cast<float>(sum);
             }
         }
     });
-    return half;
+    return shrunk;
 }
-
-}  // namespace
 
 std::vector<ImageF> latlong_pyramid(const ImageF& latlong) {
     std::vector<ImageF> levels{latlong};
-    while (levels.back().width() > 1 || levels.back().height() > 1) levels.push_back(halved(levels.back()));
+    while (levels.back().width() > 1 || levels.back().height() > 1) {
+        levels.push_back(shrunk_latlong(levels.back(), std::max(1, levels.back().width() / 2),
+                                        std::max(1, levels.back().height() / 2)));
+    }
     return levels;
 }
 

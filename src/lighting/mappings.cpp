@@ -83,10 +83,6 @@ const CubeFaces& faces_of(CubeLayout layout) {
     return vertical_cross_faces;
 }
 
-bool is_disc(ProbeMapping mapping) {
-    return mapping == ProbeMapping::angular || mapping == ProbeMapping::mirrorball;
-}
-
 double dot(const Eigen::Vector3i& axis, const Vector3d& v) {
     return axis.x() * v.x() + axis.y() * v.y() + axis.z() * v.z();
 }
@@ -244,6 +240,10 @@ std::vector<double> disc_solid_angles(const ProbeLayout& layout) {
 }
 
 }  // namespace
+
+bool is_disc(ProbeMapping mapping) {
+    return mapping == ProbeMapping::angular || mapping == ProbeMapping::mirrorball;
+}
 
 int ProbeLayout::face_size() const {
     assert(mapping == ProbeMapping::cube);

@@ -39,6 +39,9 @@ struct ProbeLayout {
     bool operator==(const ProbeLayout&) const = default;
 };
 
+/// Angular and mirror-ball images: a disc that touches the image's sides.
+bool is_disc(ProbeMapping mapping);
+
 /// The layout of `mapping` at its natural shape for `size`: the height of a lat-long map, the side of an angular or
 /// mirror-ball image, the side of a cube's face.
 ProbeLayout layout_of_size(ProbeMapping mapping, int size, CubeLayout cube = CubeLayout::vertical_cross);

@@ -7,10 +7,18 @@
 
 namespace matchlight {
 
+/// How much work goes into a resampling; the defaults are what every command uses.
+struct ResampleOptions {
+    int points_a_side = 3;           // of the lattice in a pixel of the finer image, at least
+    int most_passes = 48;            // over the matrix of overlaps, to balance it
+    double energy_tolerance = 2e-4;  // balanced enough when no pixel gains or loses more of its energy
+};
+
 /// The picture `source` of layout `from` in layout `to`. Every pixel of the result is the mean, over the solid angle it
 /// covers, of the source's pixels (interpolated between where the source is coarser). Pixels of the result that show no
 /// direction are 0. The same layout gives the same pixels.
-ImageF resample(const ImageF& source, const ProbeLayout& from, const ProbeLayout& to);
+ImageF resample(const ImageF& source, const ProbeLayout& from, const ProbeLayout& to,
+                const ResampleOptions& options = {});
 
 /// A probe in any layout, and a lat-long probe of `height` rows from any layout.
 ImageF image_from_probe(const Probe& probe, const ProbeLayout& to);
