@@ -38,13 +38,15 @@ protected:
         arguments.insert(arguments.end(), more.begin(), more.end());
         return run_matchlight(arguments);
     }
-    /// A page as another program draws it at `dpi`: poppler for PDF, librsvg for SVG.
-    Image8 drawn(const std::string& file, int page = 1) {
+    /// A page as another program draws it: poppler for PDF, librsvg for SVG.
+    Image8 drawn(const std::string& file, int page = 1, int at_dpi = static_cast<int>(dpi)) {
         const std::string from = (scratch_ / file).string(), to = (scratch_ / "drawn").string();
-        const std::string command =
-            file.ends_with(".pdf")
-                ? "pdftoppm -r 300 -gray -png -singlefile -f " + std::to_string(page) + " '" + from + "' '" + to + "'"
-                : "rsvg-convert --dpi-x 300 --dpi-y 300 -b white -o '" + to + ".png' '" + from + "'";
+        const std::string resolution = std::to_string(at_dpi);
+        const std::string command = file.ends_with(".pdf")
+                                        ? "pdftoppm -r " + resolution + " -gray -png -singlefile -f " +
+                                              std::to_string(page) + " '" + from + "' '" + to + "'"
+                                        : "rsvg-convert --dpi-x " + resolution + " --dpi-y " + resolution +
+                                              " -b white -o '" + to + ".png' '" + from + "'";
         EXPECT_EQ(std::system(command.c_str()), 0) << command;
         return read_rgb8(to + ".png");
     }
@@ -174,6 +176,35 @@ TEST_F(BoardTest, CalibratesFromWhatItPrints) {
     EXPECT_NEAR(found.fy, camera.fy, 0.003 * camera.fy);
     EXPECT_NEAR(found.cx, camera.cx, 2);
     EXPECT_NEAR(found.cy, camera.cy, 2);
+}
+
+TEST_F(BoardTest, TheShelfHoldsWhatTheCommandPrints) {
+    const fs::path shelf = fs::path(MATCHLIGHT_SOURCE_DIR) / "calib/boards";
+    const struct {
+        std::string spec, pdf, paper;
+        int pages;
+    } shelved[] = {{(shelf / "opencv_chessboard_9x6.toml").string(), "opencv_chessboard_9x6.pdf", "a4", 1},
+                   {(shelf / "charuco_12x8.toml").string(), "charuco_12x8.pdf", "a4", 1},
+                   {(shelf / "aprilgrid_6x8_a4.toml").string(), "aprilgrid_6x8_a4.pdf", "a4", 1},
+                   {(shelf / "kalibr_aprilgrid_6x6.yaml").string(), "kalibr_aprilgrid_6x6.pdf", "a0", 1},
+                   {"tags tag36h11 0-7 0.08", "tags_80mm.pdf", "a4", 2}};
+    constexpr int coarse_dpi = 60;  // a pixel is 0.4 mm: a cell that moved or turned shows
+    for (const auto& each : shelved) {
+        SCOPED_TRACE(each.pdf);
+        ASSERT_TRUE(succeeded(board(each.spec, "made.pdf", {"--paper", each.paper, "--overwrite"})));
+        fs::copy_file(shelf / each.pdf, scratch_ / "shelved.pdf", fs::copy_options::overwrite_existing);
+        for (int page = 1; page <= each.pages; ++page) {
+            const Image8 made = drawn("made.pdf", page, coarse_dpi), kept = drawn("shelved.pdf", page, coarse_dpi);
+            ASSERT_EQ(made.width(), kept.width());
+            ASSERT_EQ(made.height(), kept.height());
+            // The small print may be set in another font where it was made.
+            std::size_t differing = 0;
+            for (std::size_t i = 0; i < made.samples().size(); ++i) {
+                differing += std::abs(made.samples()[i] - kept.samples()[i]) > 8 ? 1 : 0;
+            }
+            EXPECT_LT(static_cast<double>(differing), 0.005 * static_cast<double>(made.samples().size()));
+        }
+    }
 }
 
 TEST_F(BoardTest, RefusesWhatCannotBePrinted) {
