@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "media/image_io.h"
 #include "media/input_limits.h"
+#include "media/open_picture.h"
 #include "media/orientation.h"
 #include "media/picture_format.h"
 
@@ -39,11 +40,7 @@ const char* reader_name(PictureFormat format, const fs::path& path) {
     throw InputError(path, "holds scene-linear light, not a picture", "give a PNG, JPEG or TIFF");
 }
 
-struct OpenPicture {
-    std::unique_ptr<OIIO::ImageInput> input;
-    OIIO::ImageSpec spec;
-    int orientation = 1;  // EXIF
-};
+}  // namespace
 
 OpenPicture open_picture(const fs::path& path) {
     OpenPicture picture;
@@ -62,6 +59,8 @@ OpenPicture open_picture(const fs::path& path) {
     picture.orientation = picture.spec.get_int_attribute("Orientation", 1);
     return picture;
 }
+
+namespace {
 
 template <class Sample>
 Image<Sample> read_rgb(const fs::path& path) {

@@ -1,0 +1,134 @@
+// Where photographs of a series show different things.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "calibration/merge_setup.h"
+#include "core/parallel.h"
+
+namespace matchlight {
+namespace {
+
+/// A signal to noise ratio below which a photograph decides nothing.
+constexpr float least_signal = 3;
+
+/// Squared deviations are held at 25 and kept in tenths, so that window sums are whole numbers.
+constexpr float most_deviation = 25, tenths = 10;
+constexpr int window_radius = 2;
+
+bool above_noise(const MergeSetup& setup, std::size_t shot, int x, int y) {
+    constexpr int green = 1;
+    const float light = setup.table.light(setup.codes[shot]->at(x, y, green), green);
+    return light * light > least_signal * least_signal * setup.weights[shot].variance(light, green);
+}
+
+std::size_t local_reference(const MergeSetup& setup, std::size_t reference, int x, int y) {
+    std::size_t shot = reference;
+    while (shot + 1 < setup.codes.size() && setup.clipped(shot, x, y)) ++shot;
+    if (shot != reference) return shot;
+    while (shot > 0 && !above_noise(setup, shot, x, y) && !setup.clipped(shot - 1, x, y)) --shot;
+    return shot;
+}
+
+/// Mean over channels of the squared difference over its variance.
+float squared_deviation(const MergeSetup& setup, std::size_t shot, std::size_t reference, int x, int y) {
+    const float* code = setup.codes[shot]->pixel(x, y);
+    const float* reference_code = setup.codes[reference]->pixel(x, y);
+    const auto ratio = static_cast<float>(setup.exposures[shot] / setup.exposures[reference]);
+    float sum = 0;
+    int channels = 0;
+    for (int c = 0; c < 3; ++c) {
+        if (setup.clipped(code[c], c) || setup.clipped(reference_code[c], c)) continue;
+        const float seen = setup.table.light(code[c], c);
+        const float reference_light = setup.table.light(reference_code[c], c);
+        const float expected = std::min(ratio * reference_light, setup.weights[shot].full_light(c));
+        const float variance = setup.weights[shot].variance(expected, c) +
+                               ratio * ratio * setup.weights[reference].variance(reference_light, c);
+        sum += (seen - expected) * (seen - expected) / variance;
+        ++channels;
+    }
+    return channels > 0 ? sum / static_cast<float>(channels) : 0;
+}
+
+/// Sums over a square window, of a byte each, clamped at the edges.
+Image<int> window_sums(const Image8& values) {
+    const int width = values.width(), height = values.height();
+    Image<int> rows(width, height, 1), sums(width, height, 1);
+    parallel_for(height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+            int sum = 0;
+            for (int dx = -window_radius; dx <= window_radius; ++dx)
+                sum += values.at(std::clamp(x + dx, 0, width - 1), y);
+            rows.at(x, y) = sum;
+        }
+    });
+    parallel_for(height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+            int sum = 0;
+            for (int dy = -window_radius; dy <= window_radius; ++dy)
+                sum += rows.at(x, std::clamp(y + dy, 0, height - 1));
+            sums.at(x, y) = sum;
+        }
+    });
+    return sums;
+}
+
+/// A region disagrees where its mean squared deviation is 9 (noise: 1); its rim, which window sums miss, is taken with
+/// it. Single pixels stay: one in a picture of millions lies five deviations off by chance, and weighs little.
+Image8 disagreeing_regions(const Image8& deviations) {
+    constexpr int side = 2 * window_radius + 1;
+    constexpr int least_sum = static_cast<int>(9 * tenths) * side * side;
+    const Image<int> sums = window_sums(deviations);
+    const int width = deviations.width(), height = deviations.height();
+    Image8 seeds(width, height, 1);
+    for (std::size_t i = 0; i < seeds.samples().size(); ++i)
+        seeds.samples()[i] = sums.samples()[i] >= least_sum ? 1 : 0;
+    const Image<int> near = window_sums(seeds);
+    Image8 mask(width, height, 1);
+    for (std::size_t i = 0; i < mask.samples().size(); ++i) {
+        const bool seed = seeds.samples()[i] != 0;
+        const bool rim = near.samples()[i] > 0 && deviations.samples()[i] >= static_cast<int>(4 * tenths);
+        mask.samples()[i] = seed || rim ? 255 : 0;
+    }
+    return mask;
+}
+
+}  // namespace
+
+std::size_t best_exposed(const MergeSetup& setup) {
+    // A grid of at most some hundred thousand pixels is enough to rank photographs.
+    const int stride = std::max(1, std::max(setup.width(), setup.height()) / 512);
+    std::size_t best = 0;
+    std::int64_t most = -1;
+    for (std::size_t shot = 0; shot < setup.codes.size(); ++shot) {
+        std::int64_t well = 0;
+        for (int y = 0; y < setup.height(); y += stride) {
+            for (int x = 0; x < setup.width(); x += stride)
+                well += !setup.clipped(shot, x, y) && above_noise(setup, shot, x, y) ? 1 : 0;
+        }
+        if (well > most) {
+            most = well;
+            best = shot;
+        }
+    }
+    return best;
+}
+
+std::vector<Image8> ghost_masks(const MergeSetup& setup, std::size_t reference) {
+    std::vector<Image8> masks;
+    for (std::size_t shot = 0; shot < setup.codes.size(); ++shot) {
+        Image8 deviations(setup.width(), setup.height(), 1);
+        parallel_for(setup.height(), [&](int y) {
+            for (int x = 0; x < setup.width(); ++x) {
+                const std::size_t local = local_reference(setup, reference, x, y);
+                if (local == shot) continue;
+                const float squared = std::min(squared_deviation(setup, shot, local, x, y), most_deviation);
+                deviations.at(x, y) = static_cast<std::uint8_t>(squared * tenths + 0.5f);
+            }
+        });
+        masks.push_back(disagreeing_regions(deviations));
+    }
+    return masks;
+}
+
+}  // namespace matchlight
