@@ -1,9 +1,7 @@
 // matchlight probe info: what a light probe holds.
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <string>
 
@@ -27,14 +25,6 @@ struct ProbeInfoOptions {
     fs::path probe;
     std::optional<ProbeMapping> from;
 };
-
-/// Azimuth counter-clockwise from world +x seen from above, elevation above the horizon.
-double azimuth_deg(const Eigen::Vector3d& direction) {
-    return std::atan2(direction.y(), direction.x()) * 180 / std::numbers::pi;
-}
-double elevation_deg(const Eigen::Vector3d& direction) {
-    return std::atan2(direction.z(), std::hypot(direction.x(), direction.y())) * 180 / std::numbers::pi;
-}
 
 struct NamedDirection {
     const char* name;

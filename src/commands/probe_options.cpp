@@ -2,6 +2,7 @@
 #include "commands/probe_options.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -54,6 +55,14 @@ nlohmann::json rgb_json(const Eigen::Vector3d& rgb) {
 
 std::string rgb_text(const Eigen::Vector3d& rgb) {
     return fmt::format("{:>10.4g} {:>10.4g} {:>10.4g}", rgb.x(), rgb.y(), rgb.z());
+}
+
+double azimuth_deg(const Eigen::Vector3d& direction) {
+    return std::atan2(direction.y(), direction.x()) * 180 / std::numbers::pi;
+}
+
+double elevation_deg(const Eigen::Vector3d& direction) {
+    return std::atan2(direction.z(), std::hypot(direction.x(), direction.y())) * 180 / std::numbers::pi;
 }
 
 }  // namespace matchlight

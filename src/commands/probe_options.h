@@ -29,4 +29,8 @@ nlohmann::json rgb_json(const Eigen::Vector3d& rgb);
 /// Three columns of ten characters, a space between.
 std::string rgb_text(const Eigen::Vector3d& rgb);
 
+/// Azimuth counter-clockwise from world +x seen from above, elevation above the horizon.
+double azimuth_deg(const Eigen::Vector3d& direction);
+double elevation_deg(const Eigen::Vector3d& direction);
+
 }  // namespace matchlight

@@ -137,6 +137,22 @@ TEST_F(ProbeCommand, ConvertTurnsAndScales) {
     EXPECT_NEAR(info["luminance"]["largest"].get<double>(), 2000, 1);
 }
 
+TEST_F(ProbeCommand, CompareMeasuresWhatConvertDidToALamp) {
+    const std::string turned = in_scratch("turned_lamp.exr");
+    ASSERT_TRUE(succeeded(run_matchlight(
+        {"probe", "convert", lamp(), "-o", turned, "--to", "latlong", "--rotation-deg", "2", "--exposure-ev", "3"})));
+    const json result = probe_json({"compare", lamp(), turned});
+    EXPECT_NEAR(result["gain"][1].get<double>(), 0.125, 1e-3);
+    EXPECT_NEAR(result["mean_ev"].get<double>(), 0, 0.02);
+    ASSERT_EQ(result["lights"].size(), 1u);
+    EXPECT_NEAR(result["lights"][0]["angle_deg"].get<double>(), 2 * std::cos(30.94 * pi / 180), 0.05);
+    EXPECT_NEAR(result["lights"][0]["power_ev"].get<double>(), 0, 0.02);
+    EXPECT_GT(result["irradiance_rmse"].get<double>(), 0.001);
+    const json itself = probe_json({"compare", lamp(), lamp(), "--gain", "none"});
+    EXPECT_NEAR(itself["irradiance_rmse"].get<double>(), 0, 1e-9);
+    EXPECT_TRUE(failed_naming(run_matchlight({"probe", "compare", lamp(), in_scratch("absent.exr")}), {"absent.exr"}));
+}
+
 TEST_F(ProbeCommand, ConvertKeepsASunBeyondHalfRange) {
     HandmadeExr exr{.width = 32, .height = 16};
     exr.sample = [](int x, int y, int) { return x == 20 && y == 5 ? 1e6f : 1.0f; };
