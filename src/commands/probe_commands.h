@@ -11,5 +11,6 @@ namespace matchlight {
 void add_probe_compare_command(CLI::App& probe, CommandContext& context);
 void add_probe_convert_command(CLI::App& probe, CommandContext& context);
 void add_probe_info_command(CLI::App& probe, CommandContext& context);
+void add_probe_view_command(CLI::App& probe, CommandContext& context);
 
 }  // namespace matchlight

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "handmade_images.h"
+#include "media/image_io.h"
 #include "run_matchlight.h"
 
 namespace matchlight::test {
@@ -151,6 +152,38 @@ TEST_F(ProbeCommand, CompareMeasuresWhatConvertDidToALamp) {
     const json itself = probe_json({"compare", lamp(), lamp(), "--gain", "none"});
     EXPECT_NEAR(itself["irradiance_rmse"].get<double>(), 0, 1e-9);
     EXPECT_TRUE(failed_naming(run_matchlight({"probe", "compare", lamp(), in_scratch("absent.exr")}), {"absent.exr"}));
+}
+
+TEST_F(ProbeCommand, ViewDrawsBallsThatTheProbeLights) {
+    // Even light: the furnace. Grey ball and ground send half of it, chrome 0.95.
+    const std::string white = write("even.exr", {.width = 64, .height = 32});
+    const std::string output = in_scratch("balls.exr");
+    const json view =
+        probe_json({"view", white, "-o", output, "--size", "40", "--exposure-ev", "0", "--level", "draft"});
+    ASSERT_EQ(view["width"], 240);
+    ASSERT_EQ(view["height"], 112);
+    const ImageF light = read_exr_part(output, "", {"R", "G", "B"});
+    EXPECT_NEAR(light.at(5, 5, 1), 1, 0.01);         // the probe behind
+    EXPECT_NEAR(light.at(28, 28, 1), 0.5, 0.03);     // the grey ball; its varnish adds a little
+    EXPECT_NEAR(light.at(74, 28, 1), 0.95, 0.02);    // the chrome ball
+    EXPECT_NEAR(light.at(120, 57, 1), 0.5, 0.02);    // the ground far behind the balls
+    EXPECT_LT(light.at(74, 56 + 28 + 19, 1), 0.9f);  // the chrome ball shows the ground's shadow below
+    const std::string picture = in_scratch("balls.png");
+    ASSERT_TRUE(succeeded(run_matchlight({"probe", "view", white, "-o", picture, "--size", "40", "--level", "draft"})));
+    // Exposed for the grey ball at 60 % of white.
+    EXPECT_NEAR(read_rgb8(picture).at(28, 28, 1), 255 * 0.797, 5);
+    EXPECT_TRUE(failed_naming(run_matchlight({"probe", "view", white, "-o", picture}), {"balls.png", "overwrite"}));
+    EXPECT_TRUE(failed_naming(run_matchlight({"probe", "view", white, "-o", in_scratch("balls.jpg")}), {"balls.jpg"}));
+}
+
+TEST_F(ProbeCommand, CompareTellsHowDifferentObjectsLook) {
+    const std::string turned = in_scratch("other_side.exr");
+    ASSERT_TRUE(succeeded(
+        run_matchlight({"probe", "convert", lamp(), "-o", turned, "--to", "latlong", "--rotation-deg", "120"})));
+    const std::string picture = in_scratch("difference.png");
+    const json other = probe_json({"compare", lamp(), turned, "--picture", picture});
+    EXPECT_GT(other["balls"]["flip"].get<double>(), 0.05);
+    EXPECT_EQ(read_rgb8(picture).width(), 1152);
 }
 
 TEST_F(ProbeCommand, ConvertKeepsASunBeyondHalfRange) {
