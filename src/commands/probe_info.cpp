@@ -2,6 +2,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 
@@ -12,8 +13,13 @@
 #include "commands/probe_commands.h"
 #include "commands/probe_options.h"
 #include "commands/result.h"
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/transfer.h"
 #include "lighting/dominant_lights.h"
 #include "lighting/probe_file.h"
+#include "lighting/probe_record.h"
+#include "report/probe_page.h"
 
 namespace matchlight {
 namespace {
@@ -24,7 +30,12 @@ using nlohmann::json;
 struct ProbeInfoOptions {
     fs::path probe;
     std::optional<ProbeMapping> from;
+    fs::path page;  // empty: none
+    bool overwrite = false;
 };
+
+/// Parts that a sphere is cut into: as many as a page can tell apart.
+constexpr int median_cut_parts = 16;
 
 struct NamedDirection {
     const char* name;
@@ -38,12 +49,28 @@ const std::array<NamedDirection, 6> six_directions = {{{"+x", {1, 0, 0}},
                                                        {"-z", {0, 0, -1}}}};
 const std::array<const char*, 9> sh_names = {"0, 0", "1,-1", "1, 0", "1, 1", "2,-2", "2,-1", "2, 0", "2, 1", "2, 2"};
 
+std::string light_text(const Eigen::Vector3d& direction, double solid_angle_sr, double share,
+                       const Eigen::Vector3d& power) {
+    return fmt::format("  {:7.2f}° {:6.2f}°  ({:6.3f}, {:6.3f}, {:6.3f})  {:8.3g} sr  {:5.1f} %{}\n",
+                       azimuth_deg(direction), elevation_deg(direction), direction.x(), direction.y(), direction.z(),
+                       solid_angle_sr, 100 * share, rgb_text(power));
+}
+
 void run_info(const ProbeInfoOptions& options, CommandContext& context) {
+    if (!options.page.empty()) {
+        if (options.page.extension() != ".html") {
+            throw InputError(options.page, "the page is HTML", "give a name ending in .html");
+        }
+        check_output(options.page, options.overwrite);
+    }
     const ProbeImage file = read_probe_image(options.probe, options.from, context.warnings);
     const Probe probe = unwrapped(file);
     const ProbeStatistics statistics = probe_statistics(probe);
     const auto lights = dominant_lights(probe);
     const SphericalHarmonics9 sh = project_to_sh(probe);
+    const auto median_cut = sample_directions(probe, median_cut_parts, -1, false);
+    const ProbeRecord record = read_probe_record(options.probe, file);
+    const ProbeCoverage coverage = coverage_of(record, probe.latlong);
     const std::int64_t clipped = clipped_pixels(file.image);
     const std::int64_t repaired = file.repairs.not_a_number + file.repairs.infinite + file.negative_samples;
 
@@ -83,6 +110,19 @@ void run_info(const ProbeInfoOptions& options, CommandContext& context) {
     text += fmt::format("clipped pixels: {}; repaired samples: {}; black: {:.1f} % of the sphere\n", clipped, repaired,
                         100 * statistics.black_share);
 
+    result["clipped_share"] = coverage.clipped;
+    text += fmt::format("clipped: {:.3g} % of the sphere", 100 * coverage.clipped);
+    if (coverage.unseen) {
+        result["unseen_share"] = *coverage.unseen;
+        text += fmt::format("; seen by no photograph: {:.3g} %", 100 * *coverage.unseen);
+    }
+    if (coverage.median_sigma) {
+        result["median_sigma"] = *coverage.median_sigma;
+        text += fmt::format("; half of the rest known to {:.2g} %", 100 * *coverage.median_sigma);
+    }
+    text += "\n";
+    result["metadata"] = record.metadata;
+
     text += "irradiance of a surface that faces        r          g          b\n";
     for (const auto& [name, direction] : six_directions) {
         const Eigen::Vector3d e = irradiance(probe, direction);
@@ -106,10 +146,27 @@ void run_info(const ProbeInfoOptions& options, CommandContext& context) {
                                              {"power", rgb_json(light.power)},
                                              {"power_share", light.power_share},
                                              {"peak_luminance", light.peak_luminance}});
-        text += fmt::format("  {:7.2f}° {:6.2f}°  ({:6.3f}, {:6.3f}, {:6.3f})  {:8.3g} sr  {:5.1f} %{}\n",
-                            azimuth_deg(light.direction), elevation_deg(light.direction), light.direction.x(),
-                            light.direction.y(), light.direction.z(), light.solid_angle_sr, 100 * light.power_share,
-                            rgb_text(light.power));
+        text += light_text(light.direction, light.solid_angle_sr, light.power_share, light.power);
+    }
+    result["median_cut"] = json::array();
+    text += median_cut.empty() ? "" : "median cut: azimuth, elevation, direction, solid angle, share of power, power\n";
+    const double whole = 4 * std::numbers::pi * statistics.mean_luminance;
+    for (const DirectionalSample& sample : median_cut) {
+        const Eigen::Vector3d& power = sample.radiance_times_solid_angle;
+        const double share = luminance_rec709(power.x(), power.y(), power.z()) / whole;
+        result["median_cut"].push_back({{"direction", rgb_json(sample.direction)},
+                                        {"solid_angle_sr", sample.solid_angle_sr},
+                                        {"power", rgb_json(power)},
+                                        {"power_share", share}});
+        text += light_text(sample.direction, sample.solid_angle_sr, share, power);
+    }
+    if (!options.page.empty()) {
+        const std::string description = fmt::format("{} × {} pixels, {}, recognised by {}", file.layout.width,
+                                                    file.layout.height, mapping, file.recognised_by);
+        write_text_file(options.page, probe_page({options.probe.filename().string(), description, probe, record,
+                                                  statistics, coverage, lights, median_cut, repaired}));
+        result["page"] = options.page.string();
+        text += fmt::format("page: {}\n", options.page.string());
     }
     print_result(context, result, text);
 }
@@ -122,6 +179,9 @@ void add_probe_info_command(CLI::App& probe, CommandContext& context) {
     const auto options = std::make_shared<ProbeInfoOptions>();
     command->add_option("PROBE", options->probe, "An .exr or .hdr image of all directions")->required();
     add_from_option(*command, options->from);
+    command->add_option("--page", options->page, "Also write a page with pictures, plots and tables")
+        ->type_name("HTML");
+    command->add_flag("--overwrite", options->overwrite, "Replace a page that exists");
     command->callback([options, &context] { run_info(*options, context); });
 }
 

@@ -179,10 +179,10 @@ ProbeStatistics probe_statistics(const Probe& probe) {
     return statistics;
 }
 
-std::int64_t clipped_pixels(const ImageF& image) {
+ImageF flat_tops(const ImageF& image) {
     const auto pixels = static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height());
     const auto channels = static_cast<std::size_t>(image.channels());
-    std::vector<bool> clipped(pixels, false);
+    ImageF clipped(image.width(), image.height(), 1);
     for (std::size_t c = 0; c < channels; ++c) {
         float largest = 0;
         double mean = 0;
@@ -195,9 +195,14 @@ std::int64_t clipped_pixels(const ImageF& image) {
             if (image.samples()[i * channels + c] == largest) top.push_back(i);
         }
         if (top.size() < 4 || largest < 2 * mean) continue;
-        for (const std::size_t i : top) clipped[i] = true;
+        for (const std::size_t i : top) clipped.samples()[i] = 1;
     }
-    return std::count(clipped.begin(), clipped.end(), true);
+    return clipped;
+}
+
+std::int64_t clipped_pixels(const ImageF& image) {
+    const ImageF tops = flat_tops(image);
+    return std::count(tops.samples().begin(), tops.samples().end(), 1.0f);
 }
 
 }  // namespace matchlight

@@ -49,9 +49,11 @@ struct ProbeStatistics {
 };
 ProbeStatistics probe_statistics(const Probe& probe);
 
-/// Pixels that share the largest value of a channel, where four or more do and it stands out (twice the channel's
-/// mean): a flat top is what an exposure series leaves of a lamp brighter than its darkest photograph. 0 where there is
-/// none.
+/// 1 (else 0; 1 channel) at pixels that share the largest value of a channel, where four or more do and it stands out
+/// (twice the channel's mean): a flat top is what an exposure series leaves of a lamp brighter than its darkest
+/// photograph.
+ImageF flat_tops(const ImageF& image);
+/// How many there are.
 std::int64_t clipped_pixels(const ImageF& image);
 
 }  // namespace matchlight

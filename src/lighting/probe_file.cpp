@@ -191,11 +191,15 @@ ProbeImage read_probe_image(const fs::path& path, std::optional<ProbeMapping> ma
     return probe;
 }
 
-Probe unwrapped(const ProbeImage& file) {
+ProbeLayout latlong_layout_for(const ProbeLayout& layout) {
     constexpr int largest_unwrapped = 4096;  // 400 MB
-    int height = latlong_height_for(file.layout);
-    if (file.layout.mapping != ProbeMapping::latlong) height = std::min(height, largest_unwrapped);
-    return probe_from_image(file.image, file.layout, height);
+    int height = latlong_height_for(layout);
+    if (layout.mapping != ProbeMapping::latlong) height = std::min(height, largest_unwrapped);
+    return layout_of_size(ProbeMapping::latlong, height);
+}
+
+Probe unwrapped(const ProbeImage& file) {
+    return probe_from_image(file.image, file.layout, latlong_layout_for(file.layout).height);
 }
 
 Probe load_probe(const fs::path& path, std::optional<ProbeMapping> mapping, Warnings& warnings) {

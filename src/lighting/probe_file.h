@@ -29,8 +29,11 @@ struct ProbeImage {
 /// name holds "mirrorball" or "chromeball" (in any case, with or without separators). Throws InputError.
 ProbeImage read_probe_image(const std::filesystem::path& path, std::optional<ProbeMapping> mapping, Warnings& warnings);
 
-/// The image as a lat-long probe: as it is where it has that layout, else unwrapped to what it holds, at most
-/// 8192 × 4096.
+/// The lat-long map that a probe of this layout is unwrapped to: as it is where it has that layout, else of what it
+/// holds, at most 8192 × 4096.
+ProbeLayout latlong_layout_for(const ProbeLayout& layout);
+
+/// The image as a lat-long probe of that layout.
 Probe unwrapped(const ProbeImage& file);
 
 /// Throws InputError unless the name ends in .exr or .hdr.

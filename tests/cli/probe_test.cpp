@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/atomic_file.h"
 #include "handmade_images.h"
 #include "media/image_io.h"
 #include "run_matchlight.h"
@@ -91,6 +92,38 @@ TEST_F(ProbeCommand, InfoTellsItInWordsToo) {
     for (const char* word : {"128 x 64", "latlong", "irradiance", "dominant lights", "clipped pixels: 16"}) {
         EXPECT_NE(result.standard_output.find(word), std::string::npos) << word;
     }
+}
+
+TEST_F(ProbeCommand, InfoWritesAPageThatStandsAlone) {
+    const std::string page = in_scratch("lamp.html");
+    const json info = probe_json({"info", lamp(), "--page", page});
+    EXPECT_EQ(info["page"], page);
+    EXPECT_EQ(info["median_cut"].size(), 16u);
+    double share = 0;
+    for (const json& part : info["median_cut"]) share += part["power_share"].get<double>();
+    EXPECT_NEAR(share, 1, 1e-6);
+    const std::string html = read_text_file(page);
+    // The sphere, the ball, four exposures, irradiance and coverage; the lamp marked on both.
+    std::size_t pictures = 0;
+    for (std::size_t at = 0; (at = html.find("data:image/png;base64,", at)) != std::string::npos; ++at) ++pictures;
+    EXPECT_EQ(pictures, 8u);
+    for (const char* word : {"class=\"lamp\"", "Median cut", "spherical harmonic", "clipped (flat tops)"}) {
+        EXPECT_NE(html.find(word), std::string::npos) << word;
+    }
+    for (const char* outside : {"http://", "https://", "src=\"/"}) {
+        EXPECT_EQ(html.find(outside), std::string::npos) << outside;
+    }
+    EXPECT_TRUE(failed_naming(run_matchlight({"probe", "info", lamp(), "--page", page}), {"lamp.html", "overwrite"}));
+}
+
+TEST_F(ProbeCommand, APageOfBlackLightSaysSo) {
+    const std::string page = in_scratch("black.html");
+    const json info = probe_json(
+        {"info", write("black.exr", {.width = 32, .height = 16, .sample = [](int, int, int) { return 0.0f; }}),
+         "--page", page});
+    EXPECT_TRUE(info["dominant_lights"].empty());
+    EXPECT_NE(read_text_file(page).find("All black"), std::string::npos);
+    EXPECT_EQ(read_text_file(page).find("nan<"), std::string::npos);
 }
 
 TEST_F(ProbeCommand, LatlongToCubeAndBackKeepsIrradiance) {
