@@ -23,6 +23,7 @@ const std::vector<AddCommand> command_table = {
     matchlight::add_board_command,
     matchlight::add_calibrate_command,
     matchlight::add_lens_command,
+    matchlight::add_response_command,
     matchlight::add_merge_command,
     matchlight::add_probe_command,
     matchlight::add_track_command,

@@ -98,7 +98,7 @@ double meant_ev(double engraved_ev) {
 
 /// Mean squared difference of a group of pixels of like light, against what the model's terms add to it.
 struct NoiseBin {
-    Eigen::Vector3d terms;  // coefficients of read², shot, gain²
+    Eigen::Vector4d terms;  // coefficients of read², shot, gain², code²
     double rounding = 0;    // what rounding alone gives
     double observed = 0;
     double light = 0;
@@ -157,7 +157,8 @@ void add_bins(std::vector<Difference> differences, double ratio, double darker_g
             light /= count;
             NoiseBin bin;
             bin.terms = {darker_gain * darker_gain + ratio * ratio * brighter_gain * brighter_gain,
-                         light * (darker_gain + ratio * brighter_gain), (ratio > 0 ? 2 : 1) * light * light};
+                         light * (darker_gain + ratio * brighter_gain), (ratio > 0 ? 2 : 1) * light * light,
+                         12 * rounding / count};
             bin.rounding = rounding / count;
             bin.observed = winsorised_moment(group);
             bin.light = light;
@@ -178,16 +179,16 @@ void allow_for_black(std::vector<NoiseBin>& bins) {
     }
 }
 
-/// The best of the eight ways to leave terms out, none negative (Lawson & Hanson 1974 for three unknowns): weighted
+/// The best of the sixteen ways to leave terms out, none negative (Lawson & Hanson 1974 for four unknowns): weighted
 /// least squares, the weight of a bin by the variance that the model expects there.
-Eigen::Vector3d fit_terms(const std::vector<NoiseBin>& bins) {
-    Eigen::Vector3d best = Eigen::Vector3d::Zero();
+Eigen::Vector4d fit_terms(const std::vector<NoiseBin>& bins) {
+    Eigen::Vector4d best = Eigen::Vector4d::Zero();
     for (int pass = 0; pass < 3; ++pass) {
         double least = std::numeric_limits<double>::infinity();
-        const Eigen::Vector3d before = best;
-        for (int used = 0; used < 8; ++used) {
-            Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-            Eigen::Vector3d right = Eigen::Vector3d::Zero();
+        const Eigen::Vector4d before = best;
+        for (int used = 0; used < 16; ++used) {
+            Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+            Eigen::Vector4d right = Eigen::Vector4d::Zero();
             const auto weight_of = [&](const NoiseBin& bin) {
                 const double expected = pass == 0 ? bin.observed : before.dot(bin.terms) + bin.rounding;
                 return 1 / std::max(expected * expected, 1e-24);
@@ -196,14 +197,14 @@ Eigen::Vector3d fit_terms(const std::vector<NoiseBin>& bins) {
                 normal += weight_of(bin) * bin.terms * bin.terms.transpose();
                 right += weight_of(bin) * bin.terms * (bin.observed - bin.rounding);
             }
-            for (int k = 0; k < 3; ++k) {
+            for (int k = 0; k < 4; ++k) {
                 if ((used & (1 << k)) != 0) continue;
                 normal.row(k).setZero();
                 normal.col(k).setZero();
                 normal(k, k) = 1;
                 right[k] = 0;
             }
-            const Eigen::Vector3d found = normal.fullPivLu().solve(right);
+            const Eigen::Vector4d found = normal.fullPivLu().solve(right);
             if (!found.allFinite() || found.minCoeff() < 0) continue;
             double cost = 0;
             for (const NoiseBin& bin : bins) {
@@ -354,8 +355,8 @@ NoiseModel estimate_noise(const ExposureSeries& series, const std::vector<double
         }
     }
     allow_for_black(bins);
-    const Eigen::Vector3d terms = fit_terms(bins);
-    return {std::sqrt(terms[0]), terms[1], std::sqrt(terms[2])};
+    const Eigen::Vector4d terms = fit_terms(bins);
+    return {std::sqrt(terms[0]), terms[1], std::sqrt(terms[2]), std::sqrt(terms[3])};
 }
 
 }  // namespace matchlight

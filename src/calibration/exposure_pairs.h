@@ -11,18 +11,21 @@
 namespace matchlight {
 
 /// Variance of the light that one photograph says, in units of its code 1:
-///     variance(L) = read²·g² + shot·g·L + (gain·L)² + (slope·step)²/12,
-/// g the photograph's ISO over that of the series' first, the last term the rounding to codes. `gain` holds all that
-/// grows with the light: pixels that are not alike, exposure times and a response that are a little off, edges that
-/// moved.
+///     variance(L) = read²·g² + shot·g·L + (gain·L)² + (slope·step)²·(1/12 + code²),
+/// g the photograph's ISO over that of the series' first, slope that of the curve where it turns codes into light. 1/12
+/// is rounding; `code` holds what compression and the camera's own filters do to codes, in steps of them, `gain` all
+/// that grows with the light: pixels that are not alike, exposure times and a response that are a little off, edges
+/// that moved.
 struct NoiseModel {
     double read = 0;
     double shot = 0;
     double gain = 0;
+    double code = 0;
 
+    /// `rounding`: slope · step.
     double variance(double light, double iso_gain, double rounding) const {
         return read * read * iso_gain * iso_gain + shot * iso_gain * light + gain * gain * light * light +
-               rounding * rounding / 12;
+               rounding * rounding * (1.0 / 12 + code * code);
     }
 };
 

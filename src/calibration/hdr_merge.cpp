@@ -138,6 +138,12 @@ void warn_of_disagreement(const ExposureSeries& series, const std::vector<PairAg
     }
 }
 
+std::vector<double> recorded_exposures(const ExposureSeries& series) {
+    std::vector<double> exposures;
+    for (const Photograph& shot : series.shots) exposures.push_back(shot.exposure);
+    return exposures;
+}
+
 /// Exposures by the measured ratios, their geometric mean kept.
 std::vector<double> refined(std::vector<double> exposures, const std::vector<PairAgreement>& agreements) {
     double shift_ev = 0, mean_ev = 0;
@@ -188,7 +194,7 @@ MergedPhotograph merge_exposures(const ExposureSeries& series, const Response& r
 
     MergedPhotograph merged;
     merged.full = full_codes(series, table);
-    for (const Photograph& shot : series.shots) merged.exposures.push_back(shot.exposure);
+    merged.exposures = recorded_exposures(series);
     merged.noise = estimate_noise(series, merged.exposures, table, merged.full);
     merged.agreements = pair_agreements(series, table, merged.full, merged.noise);
     if (options.refine_exposures) {
@@ -200,7 +206,13 @@ MergedPhotograph merge_exposures(const ExposureSeries& series, const Response& r
     const MergeSetup setup = merge_setup(series, table, merged.noise, merged.full, merged.exposures);
     merged.reference = best_exposed(setup);
     std::vector<Image8> ghosts;
-    if (options.deghost && series.shots.size() > 1) ghosts = ghost_masks(setup, merged.reference);
+    if (options.deghost && series.shots.size() > 1) {
+        // By the measured steps, whichever the merge takes: small errors of each step add up over many, and would pass
+        // for things that moved.
+        MergeSetup compared = setup;
+        compared.exposures = refined(recorded_exposures(series), merged.agreements);
+        ghosts = ghost_masks(compared, merged.reference);
+    }
 
     merged.motions.resize(series.shots.size());
     merged.radiance = ImageF(series.width(), series.height(), 3);

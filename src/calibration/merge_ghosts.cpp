@@ -16,8 +16,9 @@ constexpr float least_signal = 3;
 constexpr float most_deviation = 25, tenths = 10;
 constexpr int window_radius = 2;
 
+constexpr int green = 1;
+
 bool above_noise(const MergeSetup& setup, std::size_t shot, int x, int y) {
-    constexpr int green = 1;
     const float light = setup.table.light(setup.codes[shot]->at(x, y, green), green);
     return light * light > least_signal * least_signal * setup.weights[shot].variance(light, green);
 }
@@ -42,8 +43,10 @@ float squared_deviation(const MergeSetup& setup, std::size_t shot, std::size_t r
         const float seen = setup.table.light(code[c], c);
         const float reference_light = setup.table.light(reference_code[c], c);
         const float expected = std::min(ratio * reference_light, setup.weights[shot].full_light(c));
-        const float variance = setup.weights[shot].variance(expected, c) +
-                               ratio * ratio * setup.weights[reference].variance(reference_light, c);
+        // What lies between black and the second code, no curve tells.
+        const float black = setup.table.light(static_cast<float>(2 * setup.table.code_step()), c);
+        const float variance = setup.weights[shot].variance(expected, c) + black * black +
+                               ratio * ratio * (setup.weights[reference].variance(reference_light, c) + black * black);
         sum += (seen - expected) * (seen - expected) / variance;
         ++channels;
     }
@@ -96,6 +99,7 @@ Image8 disagreeing_regions(const Image8& deviations) {
 }  // namespace
 
 std::size_t best_exposed(const MergeSetup& setup) {
+    constexpr float least_light = 0.02f;  // three stops below middle grey
     // A grid of at most some hundred thousand pixels is enough to rank photographs.
     const int stride = std::max(1, std::max(setup.width(), setup.height()) / 512);
     std::size_t best = 0;
@@ -103,8 +107,11 @@ std::size_t best_exposed(const MergeSetup& setup) {
     for (std::size_t shot = 0; shot < setup.codes.size(); ++shot) {
         std::int64_t well = 0;
         for (int y = 0; y < setup.height(); y += stride) {
-            for (int x = 0; x < setup.width(); x += stride)
-                well += !setup.clipped(shot, x, y) && above_noise(setup, shot, x, y) ? 1 : 0;
+            for (int x = 0; x < setup.width(); x += stride) {
+                const float light = setup.table.light(setup.codes[shot]->at(x, y, green), green);
+                const bool told = light > least_light * setup.weights[shot].full_light(green);
+                well += told && !setup.clipped(shot, x, y) && above_noise(setup, shot, x, y) ? 1 : 0;
+            }
         }
         if (well > most) {
             most = well;

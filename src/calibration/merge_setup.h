@@ -30,7 +30,7 @@ struct MergeSetup {
     }
 };
 
-/// The photograph that exposes most pixels well: clipped in no channel, green above its noise.
+/// The photograph that exposes most pixels well: clipped in no channel, green not dark and above its noise.
 std::size_t best_exposed(const MergeSetup& setup);
 
 /// For each photograph, 255 where it disagrees with the reference beyond noise, over whole regions. Where the reference

@@ -86,8 +86,8 @@ ImageMetadata exr_metadata(const ExposureSeries& series, const MergedPhotograph&
             {"reference", series.shots[merged.reference].path.filename().string()},
             {"exposure_scale", fmt::format("{}", scale)},
             {"response", series.shots.front().linear ? std::string("linear") : response.to_json().dump()},
-            {"noise", fmt::format("read {:.6g}, shot {:.6g}, gain {:.6g}", merged.noise.read, merged.noise.shot,
-                                  merged.noise.gain)}};
+            {"noise", fmt::format("read {:.6g}, shot {:.6g}, gain {:.6g}, code {:.6g}", merged.noise.read,
+                                  merged.noise.shot, merged.noise.gain, merged.noise.code)}};
 }
 
 json result_json(const MergeCall& call, const ExposureSeries& series, const MergedPhotograph& merged, double scale) {
@@ -96,7 +96,11 @@ json result_json(const MergeCall& call, const ExposureSeries& series, const Merg
                 {"height", series.height()},
                 {"reference", series.shots[merged.reference].path.string()},
                 {"exposure_scale", scale},
-                {"noise", {{"read", merged.noise.read}, {"shot", merged.noise.shot}, {"gain", merged.noise.gain}}},
+                {"noise",
+                 {{"read", merged.noise.read},
+                  {"shot", merged.noise.shot},
+                  {"gain", merged.noise.gain},
+                  {"code", merged.noise.code}}},
                 {"full_code", merged.full},
                 {"clipped_pixels", merged.clipped_pixels},
                 {"under_noise_pixels", merged.under_noise_pixels},
