@@ -105,56 +105,45 @@ LogCurve made_monotone(const Eigen::VectorXd& curve) {
     return rising;
 }
 
-LogCurve power_law(double exponent) {
-    LogCurve curve;
-    for (int k = 0; k < curve_nodes; ++k)
-        curve.push_back(exponent * std::log(std::max(static_cast<double>(k), 0.5) / (curve_nodes - 1)));
-    return curve;
+/// Adds a place to the least squares of the paper, its radiance eliminated.
+void add_place(const std::vector<Observation>& observations, double place_weight, CurveEquations& equations) {
+    double weight = 0, exposure = 0;
+    struct Term {
+        Eigen::Index node;
+        double value;
+    };
+    std::vector<Term> sums;
+    for (const Observation& seen : observations) {
+        const double w = place_weight * seen.weight;
+        const Place place = place_of(seen.code);
+        const auto node = static_cast<Eigen::Index>(place.node);
+        const Eigen::Vector2d basis(1 - place.part, place.part);
+        equations.matrix.block<2, 2>(node, node) += w * basis * basis.transpose();
+        equations.right.segment<2>(node) += w * seen.log_exposure * basis;
+        sums.push_back({node, w * basis[0]});
+        sums.push_back({node + 1, w * basis[1]});
+        weight += w;
+        exposure += w * seen.log_exposure;
+    }
+    if (!(weight > 0)) return;
+    for (const Term& a : sums) {
+        for (const Term& b : sums) equations.matrix(a.node, b.node) -= a.value * b.value / weight;
+        equations.right[a.node] -= a.value * exposure / weight;
+    }
 }
 
-/// The least squares of the paper with radiances eliminated.
-struct NormalEquations {
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(curve_nodes, curve_nodes);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(curve_nodes);
+CurveEquations no_equations() {
+    return {Eigen::MatrixXd::Zero(curve_nodes, curve_nodes), Eigen::VectorXd::Zero(curve_nodes)};
+}
 
-    void add(const std::vector<Observation>& observations, double place_weight) {
-        double weight = 0, exposure = 0;
-        struct Term {
-            Eigen::Index node;
-            double value;
-        };
-        std::vector<Term> sums;
-        for (const Observation& seen : observations) {
-            const double w = place_weight * seen.weight;
-            const Place place = place_of(seen.code);
-            const auto node = static_cast<Eigen::Index>(place.node);
-            const Eigen::Vector2d basis(1 - place.part, place.part);
-            matrix.block<2, 2>(node, node) += w * basis * basis.transpose();
-            right.segment<2>(node) += w * seen.log_exposure * basis;
-            sums.push_back({node, w * basis[0]});
-            sums.push_back({node + 1, w * basis[1]});
-            weight += w;
-            exposure += w * seen.log_exposure;
-        }
-        if (!(weight > 0)) return;
-        for (const Term& a : sums) {
-            for (const Term& b : sums) matrix(a.node, b.node) -= a.value * b.value / weight;
-            right[a.node] -= a.value * exposure / weight;
-        }
-    }
-    LogCurve solve(double smoothness) const {
-        static const Eigen::MatrixXd rough = roughness();
-        Eigen::MatrixXd all = matrix + smoothness * std::max(matrix.diagonal().mean(), 1e-12) * rough;
-        // Curves differ by a constant only: the middle code's light is 1.
-        constexpr Eigen::Index middle = curve_nodes / 2;
-        all(middle, middle) += all.diagonal().mean();
-        return made_monotone(all.ldlt().solve(right));
-    }
-};
+bool counts(const ResponseSamples& samples, std::size_t place, double weight, Places places) {
+    return weight > 0 && (places == Places::all || !samples.held_out(place));
+}
 
-}  // namespace
+/// For deciding which places count, and as a start: bends over a quarter of the logarithm of the code.
+constexpr double middling_smoothness = 1;
 
-std::vector<double> place_weights(const ResponseSamples& samples, int channel, const LogCurve& curve) {
+std::vector<double> weights_by(const ResponseSamples& samples, int channel, const LogCurve& curve) {
     std::vector<double> contradictions(samples.places()), known;
     for (std::size_t place = 0; place < samples.places(); ++place) {
         contradictions[place] = contradiction(observations_of(samples, place, channel), curve);
@@ -171,48 +160,65 @@ std::vector<double> place_weights(const ResponseSamples& samples, int channel, c
     return weights;
 }
 
-LogCurve debevec_curve(const ResponseSamples& samples, int channel, const CurveOptions& options) {
-    // From a middling gamma; a few rounds settle which places count.
-    LogCurve curve = power_law(2.2);
-    constexpr int rounds = 5;
-    for (int round = 0; round < rounds; ++round) {
-        // In the first, everything counts: the start may be far off.
-        const std::vector<double> weights =
-            round == 0 ? std::vector<double>(samples.places(), 1) : place_weights(samples, channel, curve);
-        NormalEquations equations;
-        for (std::size_t place = 0; place < samples.places(); ++place) {
-            if (weights[place] == 0 || (samples.held_out(place) && !options.use_held_out)) continue;
-            equations.add(observations_of(samples, place, channel), weights[place]);
-        }
-        curve = equations.solve(options.smoothness);
-    }
-    return curve;
+/// The codes and exposures of one place, for Robertson's rounds.
+struct Seen {
+    std::size_t node;
+    double exposure, weight;
+};
+
+}  // namespace
+
+LogCurve smooth_curve(const CurveEquations& equations, double smoothness) {
+    static const Eigen::MatrixXd rough = roughness();
+    Eigen::MatrixXd all = equations.matrix + smoothness * std::max(equations.matrix.diagonal().mean(), 1e-12) * rough;
+    // Curves differ by a constant: the middle code's light is 1. Weak, for those that have a scale already.
+    constexpr Eigen::Index middle = curve_nodes / 2;
+    all(middle, middle) += 1e-6 * all.diagonal().mean();
+    return made_monotone(all.ldlt().solve(equations.right));
 }
 
-LogCurve robertson_curve(const ResponseSamples& samples, int channel, const CurveOptions& options) {
-    const LogCurve start = debevec_curve(samples, channel, options);
-    const std::vector<double> weights = place_weights(samples, channel, start);
-    struct Seen {
-        std::size_t node;
-        double exposure, weight;
-    };
-    std::vector<std::vector<Seen>> places;
+std::vector<double> place_weights(const ResponseSamples& samples, int channel) {
+    // In the first round everything counts: there is no curve yet to judge by. A few settle it.
+    std::vector<double> weights(samples.places(), 1);
+    constexpr int rounds = 4;
+    for (int round = 0; round < rounds; ++round) {
+        const CurveEquations equations = debevec_equations(samples, channel, weights, Places::all);
+        weights = weights_by(samples, channel, smooth_curve(equations, middling_smoothness));
+    }
+    return weights;
+}
+
+CurveEquations debevec_equations(const ResponseSamples& samples, int channel, const std::vector<double>& weights,
+                                 Places places) {
+    CurveEquations equations = no_equations();
     for (std::size_t place = 0; place < samples.places(); ++place) {
-        if (weights[place] == 0 || (samples.held_out(place) && !options.use_held_out)) continue;
+        if (counts(samples, place, weights[place], places))
+            add_place(observations_of(samples, place, channel), weights[place], equations);
+    }
+    return equations;
+}
+
+CurveEquations robertson_equations(const ResponseSamples& samples, int channel, const std::vector<double>& weights,
+                                   Places places) {
+    std::vector<std::vector<Seen>> seen_places;
+    for (std::size_t place = 0; place < samples.places(); ++place) {
+        if (!counts(samples, place, weights[place], places)) continue;
         std::vector<Seen> seen;
         for (const Observation& observation : observations_of(samples, place, channel)) {
             const double at = 2 * observation.code / samples.full_code() - 1;
             seen.push_back({static_cast<std::size_t>(std::lround(observation.code * (curve_nodes - 1))),
                             std::exp(observation.log_exposure - samples.log_exposure(0)), std::exp(-4 * at * at)});
         }
-        places.push_back(std::move(seen));
+        seen_places.push_back(std::move(seen));
     }
-    std::vector<double> light, counts(curve_nodes, 0);
-    for (const double value : start) light.push_back(std::exp(value - start[curve_nodes / 2]));
-    for (int round = 0; round < 200; ++round) {
+    std::vector<double> light, seen_often(curve_nodes, 0);
+    for (const double value : smooth_curve(debevec_equations(samples, channel, weights, places), middling_smoothness))
+        light.push_back(std::exp(value));
+    constexpr int most_rounds = 200;
+    for (int round = 0; round < most_rounds; ++round) {
         std::vector<double> sums(curve_nodes, 0);
-        std::fill(counts.begin(), counts.end(), 0);
-        for (const std::vector<Seen>& place : places) {
+        std::fill(seen_often.begin(), seen_often.end(), 0);
+        for (const std::vector<Seen>& place : seen_places) {
             double above = 0, below = 0;
             for (const Seen& seen : place) {
                 above += seen.weight * seen.exposure * light[seen.node];
@@ -220,36 +226,33 @@ LogCurve robertson_curve(const ResponseSamples& samples, int channel, const Curv
             }
             for (const Seen& seen : place) {
                 sums[seen.node] += seen.exposure * above / below;
-                counts[seen.node] += 1;
+                seen_often[seen.node] += 1;
             }
         }
-        double change = 0;
-        // Codes that nobody saw keep up with their neighbours by the smoothing below; the scale is that of the middle.
+        // Curves differ by a factor: the middle code, or the next that was seen, keeps its light.
         double scale = 1;
         for (std::size_t k = curve_nodes / 2; k < curve_nodes; ++k) {
-            if (counts[k] == 0) continue;
-            scale = light[k] * counts[k] / sums[k];
+            if (seen_often[k] == 0) continue;
+            scale = light[k] * seen_often[k] / sums[k];
             break;
         }
+        double change = 0;
         for (std::size_t k = 0; k < curve_nodes; ++k) {
-            if (counts[k] == 0) continue;
-            const double next = scale * sums[k] / counts[k];
+            if (seen_often[k] == 0) continue;
+            const double next = scale * sums[k] / seen_often[k];
             change = std::max(change, std::abs(next - light[k]) / light[k]);
             light[k] = next;
         }
         if (change < 1e-5) break;
     }
-    static const Eigen::MatrixXd rough = roughness();
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(curve_nodes, curve_nodes);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(curve_nodes);
+    CurveEquations equations = no_equations();
     for (std::size_t k = 0; k < curve_nodes; ++k) {
         const auto node = static_cast<Eigen::Index>(k);
-        const double weight = counts[k] * hat(static_cast<float>(k) / (curve_nodes - 1), samples.full_code());
-        matrix(node, node) += weight;
-        right[node] += weight * std::log(light[k]);
+        const double weight = seen_often[k] * hat(static_cast<float>(k) / (curve_nodes - 1), samples.full_code());
+        equations.matrix(node, node) = weight;
+        equations.right[node] = weight * std::log(light[k]);
     }
-    matrix += options.smoothness * std::max(matrix.diagonal().mean(), 1e-12) * rough;
-    return made_monotone(matrix.ldlt().solve(right));
+    return equations;
 }
 
 }  // namespace matchlight

@@ -99,63 +99,10 @@ Response response_of_curves(const std::array<LogCurve, 3>& curves, const std::fi
     return Response::table(std::move(light), reported);
 }
 
-using CurveSolver = LogCurve (*)(const ResponseSamples&, int, const CurveOptions&);
-
-/// Smoothness by what the pixels left out say; then, where asked, once more from all pixels.
-class CurveFit {
-public:
-    CurveFit(const ResponseSamples& samples, CurveSolver solver, std::filesystem::path reported)
-        : samples_(samples), solver_(solver), reported_(std::move(reported)) {
-        const std::vector<CodePair> held_out = code_pairs(samples, Share::held_out);
-        double least = std::numeric_limits<double>::infinity();
-        // Bends from some hundredths of the logarithm of the code to some tenths.
-        for (const double smoothness : {1e-4, 1e-3, 1e-2, 1e-1, 1.0}) {
-            Response response = fitted({smoothness, false});
-            const double error = mean_square(response, held_out);
-            if (error >= least) continue;
-            least = error;
-            smoothness_ = smoothness;
-            from_half_ = std::move(response);
-        }
-    }
-    const Response& from_half() const { return from_half_; }
-    Response from_all() const { return fitted({smoothness_, true}); }
-
-private:
-    Response fitted(const CurveOptions& options) const {
-        std::array<LogCurve, 3> curves;
-        for (int channel = 0; channel < 3; ++channel)
-            curves[static_cast<std::size_t>(channel)] = solver_(samples_, channel, options);
-        return response_of_curves(curves, reported_);
-    }
-
-    const ResponseSamples& samples_;
-    CurveSolver solver_;
-    std::filesystem::path reported_;
-    double smoothness_ = 1e-2;
-    Response from_half_;
-};
-
 struct Candidate {
     ResponseMethod method;
     Response from_half, from_all;
 };
-
-Candidate candidate_of(ResponseMethod method, const ResponseSamples& samples, const std::filesystem::path& reported) {
-    switch (method) {
-        case ResponseMethod::gamma:
-            return {method, fit_gamma(code_pairs(samples, Share::fitted)), fit_gamma(code_pairs(samples, Share::all))};
-        case ResponseMethod::debevec:
-        case ResponseMethod::robertson: {
-            const CurveFit fit(samples, method == ResponseMethod::debevec ? debevec_curve : robertson_curve, reported);
-            return {method, fit.from_half(), fit.from_all()};
-        }
-        case ResponseMethod::automatic:
-        case ResponseMethod::srgb:
-            break;
-    }
-    return {ResponseMethod::srgb, Response::srgb(), Response::srgb()};
-}
 
 /// Each candidate's squared error against the best one's, over the parts of the picture.
 std::vector<ResponseScore> scores_of(const std::vector<Candidate>& candidates, const std::vector<CodePair>& held_out,
@@ -194,6 +141,54 @@ std::vector<ResponseScore> scores_of(const std::vector<Candidate>& candidates, c
         chosen = chosen || score.chosen;
     }
     return scores;
+}
+
+using EquationsOf = CurveEquations (*)(const ResponseSamples&, int, const std::vector<double>&, Places);
+using ChannelEquations = std::array<CurveEquations, 3>;
+
+Response smooth_response(const ChannelEquations& equations, double smoothness, const std::filesystem::path& reported) {
+    std::array<LogCurve, 3> curves;
+    for (std::size_t c = 0; c < 3; ++c) curves[c] = smooth_curve(equations[c], smoothness);
+    return response_of_curves(curves, reported);
+}
+
+/// The smoothest curve that predicts the pixels left out as well as any. The smoothest, because equal steps between
+/// exposures leave open what repeats with the step along the logarithm of light (Grossberg & Nayar, "What can be Known
+/// about the Radiometric Response from Images?", 2002): no pixel contradicts such waves.
+Candidate curve_candidate(ResponseMethod method, const ResponseSamples& samples,
+                          const std::filesystem::path& reported) {
+    const EquationsOf equations_of = method == ResponseMethod::debevec ? debevec_equations : robertson_equations;
+    ChannelEquations of_half, of_all;
+    for (int channel = 0; channel < 3; ++channel) {
+        const std::vector<double> weights = place_weights(samples, channel);
+        of_half[static_cast<std::size_t>(channel)] = equations_of(samples, channel, weights, Places::fitted);
+        of_all[static_cast<std::size_t>(channel)] = equations_of(samples, channel, weights, Places::all);
+    }
+    // From bends over more than the logarithm of all codes to some hundredths of it.
+    std::vector<Candidate> candidates;
+    for (const double smoothness : {1e3, 1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3, 1e-4}) {
+        candidates.push_back(
+            {method, smooth_response(of_half, smoothness, reported), smooth_response(of_all, smoothness, reported)});
+    }
+    const auto scores = scores_of(candidates, code_pairs(samples, Share::held_out), samples.code_step());
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+        if (scores[k].chosen) return candidates[k];
+    }
+    return candidates.back();
+}
+
+Candidate candidate_of(ResponseMethod method, const ResponseSamples& samples, const std::filesystem::path& reported) {
+    switch (method) {
+        case ResponseMethod::gamma:
+            return {method, fit_gamma(code_pairs(samples, Share::fitted)), fit_gamma(code_pairs(samples, Share::all))};
+        case ResponseMethod::debevec:
+        case ResponseMethod::robertson:
+            return curve_candidate(method, samples, reported);
+        case ResponseMethod::automatic:
+        case ResponseMethod::srgb:
+            break;
+    }
+    return {ResponseMethod::srgb, Response::srgb(), Response::srgb()};
 }
 
 std::vector<ResidualBin> residual_bins(const Response& response, const std::vector<CodePair>& pairs) {

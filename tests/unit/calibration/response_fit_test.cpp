@@ -97,6 +97,8 @@ TEST_F(ResponseFitTest, TheSimplestFamilyThatFitsIsChosenAndRight) {
 }
 
 TEST_F(ResponseFitTest, FreeCurvesFindEveryCamera) {
+    // Half a code of 255 at code 5, the least that is looked at, is 0.24 EV of gamma 1.8 and 0.2 of the film.
+    constexpr double half_a_code_ev = 0.2;
     for (const ResponseMethod method : {ResponseMethod::debevec, ResponseMethod::robertson}) {
         SCOPED_TRACE(name_of(method));
         for (const Response& truth : {Response::srgb(), Response::gamma(1.8), film()}) {
@@ -104,7 +106,7 @@ TEST_F(ResponseFitTest, FreeCurvesFindEveryCamera) {
             const ResponseFit fit =
                 fit_response(photographed(scene(), exposures_, camera_of(truth)), method, warnings_);
             for (int c = 0; c < 3; ++c) {
-                EXPECT_LE(worst_ev(fit.response, truth, c), 0.15) << c;
+                EXPECT_LE(worst_ev(fit.response, truth, c), half_a_code_ev) << c;
                 for (double code = 0; code < 0.999; code += 1.0 / 255) {
                     EXPECT_LT(fit.response.linear_from_code(code, c),
                               fit.response.linear_from_code(code + 1.0 / 255, c));
