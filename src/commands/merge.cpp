@@ -1,6 +1,5 @@
 // matchlight merge: bracketed photographs into one EXR of radiance.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -38,20 +37,6 @@ struct MergeCall {
     MergeOptions merge;
     bool no_deghost = false, overwrite = false;
 };
-
-/// A response file, or a family by its name.
-Response response_of(const std::string& text) {
-    if (text == "srgb") return Response::srgb();
-    if (text == "linear") return Response::gamma(1);
-    constexpr std::string_view gamma = "gamma=";
-    if (!text.starts_with(gamma)) return Response::load(text);
-    double exponent = 0;
-    const auto [end, error] = std::from_chars(text.data() + gamma.size(), text.data() + text.size(), exponent);
-    // No camera's curve is outside of these.
-    if (error != std::errc() || end != text.data() + text.size() || !(exponent >= 0.1 && exponent <= 10))
-        throw InputError({}, fmt::format("'{}' is no response", text), "give an exponent from 0.1 to 10: gamma=2.2");
-    return Response::gamma(exponent);
-}
 
 /// Radiance in units of the reference photograph, with all that is known of each pixel, in one part that any reader
 /// opens as RGB.

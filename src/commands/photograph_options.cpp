@@ -1,7 +1,9 @@
 // Options of bracketed photographs.
 #include "commands/photograph_options.h"
 
+#include <charconv>
 #include <cmath>
+#include <string_view>
 #include <system_error>
 
 #include <CLI/CLI.hpp>
@@ -19,6 +21,10 @@ void add_photograph_options(CLI::App& command, PhotographOptions& options) {
                     "Photographs of one scene from one place, exposed differently, in any order: JPEG, PNG, TIFF, or "
                     "raw files where OpenImageIO has LibRaw")
         ->required();
+    add_exposure_options(command, options);
+}
+
+void add_exposure_options(CLI::App& command, PhotographOptions& options) {
     command
         .add_option("--times", options.times,
                     "Exposure times in seconds, one a photograph in their order: 1/30,1/60,0.5 (default: EXIF)")
@@ -38,6 +44,19 @@ ExposureSeries read_photographs(const PhotographOptions& options, Warnings& warn
     given.f_numbers = options.f_numbers;
     given.isos = options.isos;
     return read_exposure_series(options.photographs, given, warnings);
+}
+
+Response response_of(const std::string& text) {
+    if (text == "srgb") return Response::srgb();
+    if (text == "linear") return Response::gamma(1);
+    constexpr std::string_view gamma = "gamma=";
+    if (!text.starts_with(gamma)) return Response::load(text);
+    double exponent = 0;
+    const auto [end, error] = std::from_chars(text.data() + gamma.size(), text.data() + text.size(), exponent);
+    // No camera's curve is outside of these.
+    if (error != std::errc() || end != text.data() + text.size() || !(exponent >= 0.1 && exponent <= 10))
+        throw InputError({}, fmt::format("'{}' is no response", text), "give an exponent from 0.1 to 10: gamma=2.2");
+    return Response::gamma(exponent);
 }
 
 std::string record_text(const ExposureRecord& record) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calibration/exposure_series.h"
+#include "calibration/response.h"
 #include "core/warnings.h"
 
 namespace matchlight {
@@ -21,9 +22,14 @@ struct PhotographOptions {
 
 /// PHOTOS, --times, --f-numbers, --iso.
 void add_photograph_options(CLI::App& command, PhotographOptions& options);
+/// The latter three alone.
+void add_exposure_options(CLI::App& command, PhotographOptions& options);
 
 /// Throws InputError.
 ExposureSeries read_photographs(const PhotographOptions& options, Warnings& warnings);
+
+/// What --response names: a file, or a family: "srgb", "linear", "gamma=2.2". Throws InputError.
+Response response_of(const std::string& text);
 
 /// "1/30 s", "2.5 s", with f-number and ISO where they are known.
 std::string record_text(const ExposureRecord& record);

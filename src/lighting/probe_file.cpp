@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cctype>
 #include <cmath>
 #include <vector>
@@ -211,7 +212,8 @@ void require_probe_extension(const fs::path& path) {
     if (extension != ".exr" && extension != ".hdr") throw InputError(path, "probes are written as .exr or .hdr");
 }
 
-void write_probe_image(const fs::path& path, const ImageF& image, const ProbeLayout& layout, ImageMetadata metadata) {
+void write_probe_image(const fs::path& path, const ImageF& image, const ProbeLayout& layout, ImageMetadata metadata,
+                       const ImageF* known) {
     require_probe_extension(path);
     if (lower_case(path.extension().string()) == ".hdr") {
         write_radiance_hdr(path, image);
@@ -221,7 +223,26 @@ void write_probe_image(const fs::path& path, const ImageF& image, const ProbeLay
     constexpr float half_max = 65504;
     const bool fits_half =
         std::all_of(image.samples().begin(), image.samples().end(), [](float sample) { return sample <= half_max; });
-    const ExrPart part{"rgb", {"R", "G", "B"}, &image, fits_half, {}};
+    if (known == nullptr) {
+        const ExrPart part{"rgb", {"R", "G", "B"}, &image, fits_half, {}};
+        write_exr(path, image.width(), image.height(), {part}, metadata);
+        return;
+    }
+    const int more = known->channels();
+    assert(known->bounds() == image.bounds() && more >= 1 && more <= 3);
+    ImageF all(image.width(), image.height(), 3 + more);
+    for (int y = 0; y < image.height(); ++y) {
+        for (int x = 0; x < image.width(); ++x) {
+            std::copy_n(image.pixel(x, y), 3, all.pixel(x, y));
+            std::copy_n(known->pixel(x, y), more, all.pixel(x, y) + 3);
+        }
+    }
+    const std::vector<std::string> names = more == 1   ? std::vector<std::string>{"seen"}
+                                           : more == 2 ? std::vector<std::string>{"seen", "clipped"}
+                                                       : std::vector<std::string>{"sigma", "seen", "clipped"};
+    std::vector<std::string> channels = {"R", "G", "B"};
+    channels.insert(channels.end(), names.begin(), names.end());
+    const ExrPart part{"rgb", channels, &all, fits_half, {}};
     write_exr(path, image.width(), image.height(), {part}, metadata);
 }
 

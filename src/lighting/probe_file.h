@@ -40,8 +40,9 @@ Probe unwrapped(const ProbeImage& file);
 void require_probe_extension(const std::filesystem::path& path);
 
 /// Writes .exr (half where the radiance fits, else float) or .hdr by the file's extension, whole or not at all. The
-/// mapping is recorded in EXR files beside `metadata`. Throws InputError.
+/// mapping is recorded in EXR files beside `metadata`, and what is known of each pixel (probe_record.h): the channels
+/// sigma, seen and clipped, or the last two, or seen alone. Throws InputError.
 void write_probe_image(const std::filesystem::path& path, const ImageF& image, const ProbeLayout& layout,
-                       ImageMetadata metadata);
+                       ImageMetadata metadata, const ImageF* known = nullptr);
 
 }  // namespace matchlight
