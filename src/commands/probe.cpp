@@ -12,6 +12,7 @@ void add_probe_command(CLI::App& app, CommandContext& context) {
     add_probe_info_command(*command, context);
     add_probe_convert_command(*command, context);
     add_probe_compare_command(*command, context);
+    add_probe_calibrate_command(*command, context);
     add_probe_view_command(*command, context);
     add_probe_panorama_command(*command, context);
     add_probe_fisheye_command(*command, context);

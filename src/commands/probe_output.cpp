@@ -77,8 +77,10 @@ json write_sphere(const ProbeOutput& output, const StitchedSphere& sphere, Image
     metadata["rotation_deg"] = fmt::format("{}", output.rotation_deg);
     metadata["seen_share"] = fmt::format("{:.4f}", sphere.seen_share);
     const ImageF all = resampled(sphere, made, to);
-    const ImageF known = channels_of(all, 3, all.channels() - 3);
-    write_probe_image(output.path, channels_of(all, 0, 3), to, metadata, &known);
+    RecordedChannels known{{"seen"}, channels_of(all, 3, all.channels() - 3)};
+    if (known.image.channels() == 2) known.names = {"seen", "clipped"};
+    if (known.image.channels() == 3) known.names = {"sigma", "seen", "clipped"};
+    write_probe_image(output.path, channels_of(all, 0, 3), to, metadata, known);
     constexpr double rounding = 1e-4;
     if (sphere.seen_share < 1 - rounding) {
         warnings.add(

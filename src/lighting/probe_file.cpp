@@ -212,8 +212,21 @@ void require_probe_extension(const fs::path& path) {
     if (extension != ".exr" && extension != ".hdr") throw InputError(path, "probes are written as .exr or .hdr");
 }
 
+RecordedChannels recorded_channels(const fs::path& path, const ProbeLayout& layout) {
+    RecordedChannels recorded;
+    if (recognise_picture(path) != PictureFormat::exr) return recorded;
+    const ExrFile exr(path);
+    for (const char* name : {"sigma", "seen", "clipped"}) {
+        if (exr.has_channel(0, name)) recorded.names.emplace_back(name);
+    }
+    if (recorded.names.empty()) return recorded;
+    recorded.image = exr.read(0, recorded.names);
+    if (recorded.image.width() != layout.width || recorded.image.height() != layout.height) return {};
+    return recorded;
+}
+
 void write_probe_image(const fs::path& path, const ImageF& image, const ProbeLayout& layout, ImageMetadata metadata,
-                       const ImageF* known) {
+                       const RecordedChannels& beside) {
     require_probe_extension(path);
     if (lower_case(path.extension().string()) == ".hdr") {
         write_radiance_hdr(path, image);
@@ -223,27 +236,21 @@ void write_probe_image(const fs::path& path, const ImageF& image, const ProbeLay
     constexpr float half_max = 65504;
     const bool fits_half =
         std::all_of(image.samples().begin(), image.samples().end(), [](float sample) { return sample <= half_max; });
-    if (known == nullptr) {
-        const ExrPart part{"rgb", {"R", "G", "B"}, &image, fits_half, {}};
-        write_exr(path, image.width(), image.height(), {part}, metadata);
+    std::vector<std::string> names = {"R", "G", "B"};
+    if (beside.image.empty()) {
+        write_exr(path, image.width(), image.height(), {{"rgb", names, &image, fits_half, {}}}, metadata);
         return;
     }
-    const int more = known->channels();
-    assert(known->bounds() == image.bounds() && more >= 1 && more <= 3);
-    ImageF all(image.width(), image.height(), 3 + more);
+    names.insert(names.end(), beside.names.begin(), beside.names.end());
+    const int channels = static_cast<int>(names.size());
+    ImageF all(image.width(), image.height(), channels);
     for (int y = 0; y < image.height(); ++y) {
         for (int x = 0; x < image.width(); ++x) {
             std::copy_n(image.pixel(x, y), 3, all.pixel(x, y));
-            std::copy_n(known->pixel(x, y), more, all.pixel(x, y) + 3);
+            std::copy_n(beside.image.pixel(x, y), channels - 3, all.pixel(x, y) + 3);
         }
     }
-    const std::vector<std::string> names = more == 1   ? std::vector<std::string>{"seen"}
-                                           : more == 2 ? std::vector<std::string>{"seen", "clipped"}
-                                                       : std::vector<std::string>{"sigma", "seen", "clipped"};
-    std::vector<std::string> channels = {"R", "G", "B"};
-    channels.insert(channels.end(), names.begin(), names.end());
-    const ExrPart part{"rgb", channels, &all, fits_half, {}};
-    write_exr(path, image.width(), image.height(), {part}, metadata);
+    write_exr(path, image.width(), image.height(), {{"rgb", names, &all, fits_half, {}}}, metadata);
 }
 
 }  // namespace matchlight

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/image.h"
 #include "core/warnings.h"
@@ -39,10 +40,18 @@ Probe unwrapped(const ProbeImage& file);
 /// Throws InputError unless the name ends in .exr or .hdr.
 void require_probe_extension(const std::filesystem::path& path);
 
+/// Channels that an EXR file keeps beside R, G and B, as they are stored.
+struct RecordedChannels {
+    std::vector<std::string> names;  // of "sigma", "seen", "clipped"
+    ImageF image;                    // as many channels; empty where there are none
+};
+
+/// Of a probe's file that has this layout; none for any other format.
+RecordedChannels recorded_channels(const std::filesystem::path& path, const ProbeLayout& layout);
+
 /// Writes .exr (half where the radiance fits, else float) or .hdr by the file's extension, whole or not at all. The
-/// mapping is recorded in EXR files beside `metadata`, and what is known of each pixel (probe_record.h): the channels
-/// sigma, seen and clipped, or the last two, or seen alone. Throws InputError.
+/// mapping is recorded in EXR files beside `metadata` and the `beside` channels. Throws InputError.
 void write_probe_image(const std::filesystem::path& path, const ImageF& image, const ProbeLayout& layout,
-                       ImageMetadata metadata, const ImageF* known = nullptr);
+                       ImageMetadata metadata, const RecordedChannels& beside = {});
 
 }  // namespace matchlight

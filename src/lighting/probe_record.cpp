@@ -20,14 +20,19 @@ namespace matchlight {
 namespace {
 
 /// A value that is no number says nothing sure: `otherwise`.
-std::optional<ImageF> channel_of(const ExrFile& exr, const std::string& name, const ProbeImage& file, float otherwise) {
-    if (!exr.has_channel(0, name)) return std::nullopt;
-    ImageF channel = exr.read(0, {name});
-    if (channel.width() != file.layout.width || channel.height() != file.layout.height) return std::nullopt;
-    for (float& value : channel.samples()) {
-        value = std::isfinite(value) ? std::max(value, 0.0f) : otherwise;
+std::optional<ImageF> channel_of(const RecordedChannels& recorded, const std::string& name, const ProbeLayout& layout,
+                                 float otherwise) {
+    const auto found = std::find(recorded.names.begin(), recorded.names.end(), name);
+    if (found == recorded.names.end()) return std::nullopt;
+    const auto at = static_cast<int>(found - recorded.names.begin());
+    ImageF channel(layout.width, layout.height, 1);
+    for (int y = 0; y < layout.height; ++y) {
+        for (int x = 0; x < layout.width; ++x) {
+            const float value = recorded.image.at(x, y, at);
+            channel.at(x, y) = std::isfinite(value) ? std::max(value, 0.0f) : otherwise;
+        }
     }
-    return resample(channel, file.layout, latlong_layout_for(file.layout));
+    return resample(channel, layout, latlong_layout_for(layout));
 }
 
 }  // namespace
@@ -39,11 +44,14 @@ ProbeRecord read_probe_record(const std::filesystem::path& path, const ProbeImag
     const Imf::Header& header = exr.header(0);
     for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
         const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute());
-        if (text) record.metadata[attribute.name()] = text->value();
+        const std::string name = attribute.name();
+        const bool of_the_format = name == "name" || name == "type" || name == "view" || name == "capDate";
+        if (text && !of_the_format) record.metadata[name] = text->value();
     }
-    record.sigma = channel_of(exr, "sigma", file, 1);
-    record.seen = channel_of(exr, "seen", file, 0);
-    record.clipped = channel_of(exr, "clipped", file, 1);
+    const RecordedChannels recorded = recorded_channels(path, file.layout);
+    record.sigma = channel_of(recorded, "sigma", file.layout, 1);
+    record.seen = channel_of(recorded, "seen", file.layout, 0);
+    record.clipped = channel_of(recorded, "clipped", file.layout, 1);
     return record;
 }
 

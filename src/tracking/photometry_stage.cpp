@@ -19,39 +19,6 @@ namespace matchlight {
 
 namespace {
 
-/// What each tag would send to the camera under the probe; what the probe shows of the tags themselves comes first,
-/// then the tags nearest its place.
-std::map<int, CardExpectation> expectations(const ClipContext& context, const RigSolution& rig) {
-    const TagSettings& tags = context.scene.tags;
-    const TagFamily family(tags.family);
-    const std::optional<Eigen::Vector3d> probe_place_m =
-        context.scene.probe ? context.scene.probe->place_m : std::nullopt;
-    std::map<int, CardExpectation> expected;
-    for (const RigTag& tag : tags.rig) {
-        const auto found = rig.world_from_tag.find(tag.id);
-        if (found == rig.world_from_tag.end()) continue;
-        const RigidTransform& place = found->second;
-        CardExpectation& card = expected[tag.id];
-        card.place_m = place.translation() - probe_place_m.value_or(Eigen::Vector3d::Zero());
-        if (!context.probe) continue;
-        const Eigen::Vector3d light = irradiance(*context.probe, place.linear() * Eigen::Vector3d::UnitZ());
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double reflected = light[static_cast<Eigen::Index>(c)] / std::numbers::pi;
-            card.difference[c] = (tags.white_albedo - tags.black_albedo) * reflected;
-            card.ink[c] = tags.black_albedo * reflected;
-        }
-        if (!probe_place_m) continue;
-        constexpr double near_m = 0.05;  // closer than this, the probe's own size blurs the difference
-        card.weight = 1 / (card.place_m.squaredNorm() + near_m * near_m);
-        card.shown_difference =
-            card_in_probe(*context.probe, *probe_place_m, family.pattern(tag.id), {tag.size_m, place});
-        // A measured tag is good to a percent or two, an assumed albedo and a light assumed even to five or more: ten
-        // times the variance.
-        if (card.shown_difference) card.weight *= 10;
-    }
-    return expected;
-}
-
 double paper_over_ink(const TagSettings& tags) {
     constexpr double least_black = 0.005;  // of any print
     return tags.white_albedo / std::max(tags.black_albedo, least_black);
@@ -87,6 +54,37 @@ void take_noise(const ClipContext& context, const ClipObservations& clip, Solve&
 
 }  // namespace
 
+std::map<int, CardExpectation> card_expectations(const ClipContext& context, const RigSolution& rig) {
+    const TagSettings& tags = context.scene.tags;
+    const TagFamily family(tags.family);
+    const std::optional<Eigen::Vector3d> probe_place_m =
+        context.scene.probe ? context.scene.probe->place_m : std::nullopt;
+    std::map<int, CardExpectation> expected;
+    for (const RigTag& tag : tags.rig) {
+        const auto found = rig.world_from_tag.find(tag.id);
+        if (found == rig.world_from_tag.end()) continue;
+        const RigidTransform& place = found->second;
+        CardExpectation& card = expected[tag.id];
+        card.place_m = place.translation() - probe_place_m.value_or(Eigen::Vector3d::Zero());
+        if (!context.probe) continue;
+        const Eigen::Vector3d light = irradiance(*context.probe, place.linear() * Eigen::Vector3d::UnitZ());
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double reflected = light[static_cast<Eigen::Index>(c)] / std::numbers::pi;
+            card.difference[c] = (tags.white_albedo - tags.black_albedo) * reflected;
+            card.ink[c] = tags.black_albedo * reflected;
+        }
+        if (!probe_place_m) continue;
+        constexpr double near_m = 0.05;  // closer than this, the probe's own size blurs the difference
+        card.weight = 1 / (card.place_m.squaredNorm() + near_m * near_m);
+        card.shown_difference =
+            card_in_probe(*context.probe, *probe_place_m, family.pattern(tag.id), {tag.size_m, place});
+        // A measured tag is good to a percent or two, an assumed albedo and a light assumed even to five or more: ten
+        // times the variance.
+        if (card.shown_difference) card.weight *= 10;
+    }
+    return expected;
+}
+
 Response solved_response(const Scene& scene, const std::vector<std::vector<CardReading>>& cards, Warnings& warnings,
                          PhotometrySummary& summary) {
     const ResponseFit fit = fit_response(cards, paper_over_ink(scene.tags));
@@ -103,7 +101,7 @@ Response solved_response(const Scene& scene, const std::vector<std::vector<CardR
 
 void solve_photometry_stage(const ClipContext& context, const ClipObservations& clip, const GeometrySolution& geometry,
                             Solve& solve, TrackSummary& summary) {
-    const auto expected = expectations(context, geometry.rig);
+    const auto expected = card_expectations(context, geometry.rig);
     const ClipPhotometry photometry = solve_photometry(clip.cards, expected, !context.probe);
     summary.exposure_from_probe = context.probe.has_value();
     PhotometrySummary& told = summary.photometry;

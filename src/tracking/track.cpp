@@ -77,7 +77,10 @@ public:
         solve_.frame_count = std::max<std::int64_t>(info.frame_count, clip.frames.back().frame + 1);
         solve_.response = effective_response(solve_.response, info.format.transfer);
         solve_.provenance = fmt::format("matchlight {}, track\n{}", version, scene_.effective_toml);
-        if (summary_.details != nullptr) *summary_.details = {std::move(clip.frames), geometry.path.frames};
+        if (summary_.details != nullptr) {
+            *summary_.details = {std::move(clip.frames), geometry.path.frames, std::move(clip.cards),
+                                 card_expectations(context, geometry.rig), geometry.rig.world_from_tag};
+        }
         return std::move(solve_);
     }
 
