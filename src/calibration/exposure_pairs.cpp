@@ -263,7 +263,8 @@ FullCodes full_codes(const ExposureSeries& series, const CodeTable& table) {
                     const float darker = series.shots[i + 1].code.at(x, y, channel);
                     if (darker < least_code || darker > most_code) continue;
                     if (table.light(darker, channel) * ratio < over * table.light(1, channel)) continue;
-                    codes.push_back(series.shots[i].code.at(x, y, channel));
+                    const float brighter = series.shots[i].code.at(x, y, channel);
+                    if (brighter <= 1) codes.push_back(brighter);  // more is outside of a moved photograph
                 }
             }
         }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -181,6 +182,56 @@ void warn_of_pixels(const ExposureSeries& series, const MergedPhotograph& merged
     }
 }
 
+/// What is measured of a series on one grid of pixels.
+void measure(const ExposureSeries& series, const CodeTable& table, MergedPhotograph& merged) {
+    merged.exposures = recorded_exposures(series);
+    merged.noise = estimate_noise(series, merged.exposures, table, merged.full);
+    merged.agreements = pair_agreements(series, table, merged.full, merged.noise);
+}
+
+/// The series on the reference's grid, where a photograph has to be moved for that.
+std::optional<ExposureSeries> aligned(const ExposureSeries& series, const CodeTable& table, Alignment align,
+                                      MergedPhotograph& merged) {
+    merged.motions.resize(series.shots.size());
+    if (align == Alignment::off || series.shots.size() < 2) return std::nullopt;
+    const MergeSetup setup =
+        merge_setup(series, table, merged.noise, merged.full, refined(merged.exposures, merged.agreements));
+    merged.motions = find_motions(setup, best_exposed(setup), align == Alignment::automatic);
+    if (std::none_of(merged.motions.begin(), merged.motions.end(), [](const auto& m) { return m.has_value(); }))
+        return std::nullopt;
+    ExposureSeries moved = series;
+    for (std::size_t i = 0; i < moved.shots.size(); ++i) {
+        if (merged.motions[i])
+            moved.shots[i].code = moved_codes(series.shots[i].code, *merged.motions[i], table, merged.full);
+    }
+    return moved;
+}
+
+/// Of a series whose photographs lie on one grid, its measures taken.
+void merge_grid(const ExposureSeries& series, const CodeTable& table, const MergeOptions& options,
+                MergedPhotograph& merged) {
+    // By the measured steps, whichever the merge takes: small errors of each step add up over many, and would pass for
+    // things that moved.
+    const std::vector<double> measured = refined(merged.exposures, merged.agreements);
+    if (options.refine_exposures) {
+        merged.exposures = measured;
+        merged.noise = estimate_noise(series, merged.exposures, table, merged.full);
+    }
+    const MergeSetup setup = merge_setup(series, table, merged.noise, merged.full, merged.exposures);
+    merged.reference = best_exposed(setup);
+    std::vector<Image8> ghosts;
+    if (options.deghost && series.shots.size() > 1) {
+        MergeSetup compared = setup;
+        compared.exposures = measured;
+        ghosts = ghost_masks(compared, merged.reference);
+    }
+    merged.radiance = ImageF(series.width(), series.height(), 3);
+    merged.sigma = ImageF(series.width(), series.height(), 3);
+    merged.flags = Image8(series.width(), series.height(), 3);
+    parallel_for(series.height(), [&](int y) { merge_row(setup, ghosts, y, merged); });
+    count_flags(merged);
+}
+
 }  // namespace
 
 MergedPhotograph merge_exposures(const ExposureSeries& series, const Response& response, const MergeOptions& options,
@@ -194,32 +245,11 @@ MergedPhotograph merge_exposures(const ExposureSeries& series, const Response& r
 
     MergedPhotograph merged;
     merged.full = full_codes(series, table);
-    merged.exposures = recorded_exposures(series);
-    merged.noise = estimate_noise(series, merged.exposures, table, merged.full);
-    merged.agreements = pair_agreements(series, table, merged.full, merged.noise);
-    if (options.refine_exposures) {
-        merged.exposures = refined(std::move(merged.exposures), merged.agreements);
-        merged.noise = estimate_noise(series, merged.exposures, table, merged.full);
-    } else {
-        warn_of_disagreement(series, merged.agreements, warnings);
-    }
-    const MergeSetup setup = merge_setup(series, table, merged.noise, merged.full, merged.exposures);
-    merged.reference = best_exposed(setup);
-    std::vector<Image8> ghosts;
-    if (options.deghost && series.shots.size() > 1) {
-        // By the measured steps, whichever the merge takes: small errors of each step add up over many, and would pass
-        // for things that moved.
-        MergeSetup compared = setup;
-        compared.exposures = refined(recorded_exposures(series), merged.agreements);
-        ghosts = ghost_masks(compared, merged.reference);
-    }
-
-    merged.motions.resize(series.shots.size());
-    merged.radiance = ImageF(series.width(), series.height(), 3);
-    merged.sigma = ImageF(series.width(), series.height(), 3);
-    merged.flags = Image8(series.width(), series.height(), 3);
-    parallel_for(series.height(), [&](int y) { merge_row(setup, ghosts, y, merged); });
-    count_flags(merged);
+    measure(series, table, merged);
+    const std::optional<ExposureSeries> moved = aligned(series, table, options.align, merged);
+    if (moved) measure(*moved, table, merged);
+    if (!options.refine_exposures) warn_of_disagreement(series, merged.agreements, warnings);
+    merge_grid(moved ? *moved : series, table, options, merged);
     warn_of_pixels(series, merged, warnings);
     return merged;
 }

@@ -8,6 +8,7 @@
 
 #include "calibration/exposure_pairs.h"
 #include "calibration/exposure_series.h"
+#include "calibration/merge_alignment.h"
 #include "calibration/response.h"
 #include "core/image.h"
 #include "core/warnings.h"
@@ -28,12 +29,6 @@ inline constexpr std::uint8_t clipped = 1;      // in every photograph: radiance
 inline constexpr std::uint8_t under_noise = 2;  // radiance is less than its sigma
 inline constexpr std::uint8_t ghost = 4;        // a photograph was left out for showing something else
 }  // namespace merge_flag
-
-/// How a photograph moved against the reference: reference pixel (x, y) lies in it at R(angle)·(x − c) + c + (shift),
-/// c the picture's centre.
-struct PhotographMotion {
-    double right_px = 0, down_px = 0, angle_rad = 0;
-};
 
 struct MergedPhotograph {
     ImageF radiance;  // RGB; light that gives code 1 at exposure E is 1/E

@@ -1,9 +1,12 @@
 // Where photographs of a series show different things.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "calibration/merge_setup.h"
+#include "core/median.h"
 #include "core/parallel.h"
 
 namespace matchlight {
@@ -23,6 +26,11 @@ bool above_noise(const MergeSetup& setup, std::size_t shot, int x, int y) {
     return light * light > least_signal * least_signal * setup.weights[shot].variance(light, green);
 }
 
+/// A grid of at most some hundred thousand pixels: enough for what is counted over a whole picture.
+int grid_stride(const MergeSetup& setup) {
+    return std::max(1, std::max(setup.width(), setup.height()) / 512);
+}
+
 std::size_t local_reference(const MergeSetup& setup, std::size_t reference, int x, int y) {
     std::size_t shot = reference;
     while (shot + 1 < setup.codes.size() && setup.clipped(shot, x, y)) ++shot;
@@ -31,8 +39,37 @@ std::size_t local_reference(const MergeSetup& setup, std::size_t reference, int 
     return shot;
 }
 
+/// Light that a photograph shows where there is none, a channel each: twice the median over pixels whose expected light
+/// is under its noise. Film has fog there, compression leaves stains, and no curve tells what lies under the second
+/// code. Differences below it say nothing.
+std::array<float, 3> black_light(const MergeSetup& setup, std::size_t shot, std::size_t reference) {
+    constexpr std::size_t least_pixels = 100;
+    const int stride = grid_stride(setup);
+    std::array<std::vector<double>, 3> seen;
+    for (int y = 0; y < setup.height(); y += stride) {
+        for (int x = 0; x < setup.width(); x += stride) {
+            const std::size_t local = local_reference(setup, reference, x, y);
+            if (local == shot || setup.clipped(local, x, y)) continue;
+            const auto ratio = static_cast<float>(setup.exposures[shot] / setup.exposures[local]);
+            for (int c = 0; c < 3; ++c) {
+                const float expected = ratio * setup.table.light(setup.codes[local]->at(x, y, c), c);
+                if (expected * expected > setup.weights[shot].variance(0, c)) continue;
+                seen[static_cast<std::size_t>(c)].push_back(setup.table.light(setup.codes[shot]->at(x, y, c), c));
+            }
+        }
+    }
+    std::array<float, 3> black{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        black[c] = setup.table.light(static_cast<float>(2 * setup.table.code_step()), static_cast<int>(c));
+        if (seen[c].size() >= least_pixels)
+            black[c] = std::max(black[c], static_cast<float>(2 * upper_median_in_place(seen[c])));
+    }
+    return black;
+}
+
 /// Mean over channels of the squared difference over its variance.
-float squared_deviation(const MergeSetup& setup, std::size_t shot, std::size_t reference, int x, int y) {
+float squared_deviation(const MergeSetup& setup, std::size_t shot, std::size_t reference,
+                        const std::array<float, 3>& black_of_shot, int x, int y) {
     const float* code = setup.codes[shot]->pixel(x, y);
     const float* reference_code = setup.codes[reference]->pixel(x, y);
     const auto ratio = static_cast<float>(setup.exposures[shot] / setup.exposures[reference]);
@@ -43,8 +80,7 @@ float squared_deviation(const MergeSetup& setup, std::size_t shot, std::size_t r
         const float seen = setup.table.light(code[c], c);
         const float reference_light = setup.table.light(reference_code[c], c);
         const float expected = std::min(ratio * reference_light, setup.weights[shot].full_light(c));
-        // What lies between black and the second code, no curve tells.
-        const float black = setup.table.light(static_cast<float>(2 * setup.table.code_step()), c);
+        const float black = black_of_shot[static_cast<std::size_t>(c)];
         const float variance = setup.weights[shot].variance(expected, c) + black * black +
                                ratio * ratio * (setup.weights[reference].variance(reference_light, c) + black * black);
         sum += (seen - expected) * (seen - expected) / variance;
@@ -100,8 +136,7 @@ Image8 disagreeing_regions(const Image8& deviations) {
 
 std::size_t best_exposed(const MergeSetup& setup) {
     constexpr float least_light = 0.02f;  // three stops below middle grey
-    // A grid of at most some hundred thousand pixels is enough to rank photographs.
-    const int stride = std::max(1, std::max(setup.width(), setup.height()) / 512);
+    const int stride = grid_stride(setup);
     std::size_t best = 0;
     std::int64_t most = -1;
     for (std::size_t shot = 0; shot < setup.codes.size(); ++shot) {
@@ -125,11 +160,12 @@ std::vector<Image8> ghost_masks(const MergeSetup& setup, std::size_t reference) 
     std::vector<Image8> masks;
     for (std::size_t shot = 0; shot < setup.codes.size(); ++shot) {
         Image8 deviations(setup.width(), setup.height(), 1);
+        const std::array<float, 3> black = black_light(setup, shot, reference);
         parallel_for(setup.height(), [&](int y) {
             for (int x = 0; x < setup.width(); ++x) {
                 const std::size_t local = local_reference(setup, reference, x, y);
                 if (local == shot) continue;
-                const float squared = std::min(squared_deviation(setup, shot, local, x, y), most_deviation);
+                const float squared = std::min(squared_deviation(setup, shot, local, black, x, y), most_deviation);
                 deviations.at(x, y) = static_cast<std::uint8_t>(squared * tenths + 0.5f);
             }
         });
