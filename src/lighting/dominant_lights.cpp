@@ -194,7 +194,7 @@ ImageF flat_tops(const ImageF& image) {
         for (std::size_t i = 0; i < pixels; ++i) {
             if (image.samples()[i * channels + c] == largest) top.push_back(i);
         }
-        if (top.size() < 4 || largest < 2 * mean) continue;
+        if (top.size() < 4 || largest <= 0 || largest < 2 * mean) continue;
         for (const std::size_t i : top) clipped.samples()[i] = 1;
     }
     return clipped;

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 namespace matchlight {
 namespace {
 
@@ -351,6 +353,19 @@ Eigen::Vector2i nearest_pixel(const ProbeLayout& layout, const Vector3d& directi
     if (is_disc(layout.mapping)) pixel = kept_in_disc(layout, pixel);
     return {std::clamp(static_cast<int>(std::lround(pixel.x())), 0, layout.width - 1),
             std::clamp(static_cast<int>(std::lround(pixel.y())), 0, layout.height - 1)};
+}
+
+double reach_of_pixel(const ProbeLayout& layout, const Vector3d& direction) {
+    const Vector2d pixel = nearest_pixel(layout, direction).cast<double>();
+    double reach = 0;
+    for (int j = -2; j <= 2; ++j) {
+        for (int i = -2; i <= 2; ++i) {
+            // Not on the corner itself, which may be the next face's.
+            const auto shown = direction_from_pixel(layout, pixel + 0.24 * Vector2d(i, j));
+            if (shown) reach = std::max(reach, std::atan2(shown->cross(direction).norm(), shown->dot(direction)));
+        }
+    }
+    return reach;
 }
 
 std::array<PixelTap, 4> bilinear_taps(const ProbeLayout& layout, const Vector3d& direction) {

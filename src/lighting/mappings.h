@@ -63,6 +63,10 @@ double solid_angle_density(const ProbeLayout& layout, const Eigen::Vector2d& pix
 /// nearest one inside is taken.
 Eigen::Vector2i nearest_pixel(const ProbeLayout& layout, const Eigen::Vector3d& direction);
 
+/// The largest angle, radians, between a direction and what its pixel shows: how far astray light may come out of the
+/// layout.
+double reach_of_pixel(const ProbeLayout& layout, const Eigen::Vector3d& direction);
+
 /// A weighted pixel; weights of a set sum to 1.
 struct PixelTap {
     int x = 0;

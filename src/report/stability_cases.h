@@ -40,6 +40,8 @@ struct StabilityCase {
 
 /// Transfer curves, lens, depth, poses, sampled light, metrics, budgets: on the CPU.
 std::vector<StabilityCase> number_cases();
+/// Light probes through every mapping and file: on the CPU.
+std::vector<StabilityCase> probe_cases();
 /// Environment maps, shadows, bright light and its effects, whole frames: a context must be current where they run.
 std::vector<StabilityCase> light_cases();
 std::vector<StabilityCase> frame_cases();

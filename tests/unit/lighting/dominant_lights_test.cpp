@@ -85,6 +85,10 @@ TEST(ProbeStatistics, AreThoseOfTheSphere) {
     EXPECT_EQ(probe_statistics(furnace(8, 0)).dynamic_range_ev(), 0);
 }
 
+TEST(ClippedPixels, AreNotWhatIsBlack) {
+    EXPECT_EQ(clipped_pixels(ImageF(64, 32, 3)), 0);
+}
+
 TEST(ClippedPixels, AreAFlatTop) {
     ImageF image(32, 16, 3, 1.0f);
     EXPECT_EQ(clipped_pixels(image), 0);  // even light is not clipped

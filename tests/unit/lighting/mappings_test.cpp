@@ -178,6 +178,16 @@ TEST(Mappings, DensityIsTheJacobianOfTheDirection) {
     }
 }
 
+TEST(Mappings, APixelsReachIsItsHalfDiagonalAndGrowsToTheRim) {
+    const ProbeLayout latlong = layout_of_size(ProbeMapping::latlong, 90);
+    // 2° pixels on the horizon: 0.96 of half a diagonal, from the centre.
+    const Vector3d centre = *direction_from_pixel(latlong, Vector2d(90, 45));
+    EXPECT_NEAR(reach_of_pixel(latlong, centre), 0.96 * std::numbers::sqrt2 * std::numbers::pi / 180, 1e-4);
+    const ProbeLayout ball = layout_of_size(ProbeMapping::mirrorball, 100);
+    EXPECT_LT(reach_of_pixel(ball, {0.01, 1, 0.01}), 0.06);
+    EXPECT_GT(reach_of_pixel(ball, {0.01, -1, 0.01}), 0.2);  // straight behind: the rim's pixels reach 16°
+}
+
 TEST(Mappings, TapsSumToOneAndLieInTheImage) {
     std::mt19937 generator(9);
     for (const ProbeLayout& layout : all_layouts()) {

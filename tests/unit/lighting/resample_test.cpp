@@ -92,17 +92,6 @@ double angle_between(const Vector3d& a, const Vector3d& b) {
     return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-/// How far from `direction` its pixel shows.
-double reach_of_pixel(const ProbeLayout& layout, const Vector3d& direction) {
-    const Eigen::Vector2d pixel = nearest_pixel(layout, direction).cast<double>();
-    double reach = 0;
-    for (int i = 0; i < 25; ++i) {
-        const auto shown = direction_from_pixel(layout, pixel + Eigen::Vector2d(i % 5 - 2, i / 5 - 2) * 0.24);
-        if (shown) reach = std::max(reach, angle_between(*shown, direction));
-    }
-    return reach;
-}
-
 TEST(Resample, EveryMappingKeepsALampsEnergyAndDirectionWhereverItStands) {
     constexpr int height = 64;
     const ProbeLayout latlong = layout_of_size(ProbeMapping::latlong, height);
