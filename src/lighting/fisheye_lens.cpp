@@ -1,6 +1,7 @@
 // The formulas of the projections.
 #include "lighting/fisheye_lens.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -48,6 +49,18 @@ double widest_angle(const FisheyeLens& lens) {
     double angle = step;
     while (angle < std::numbers::pi && lens.radius_of(angle) > lens.radius_of(angle - step)) angle += step;
     return angle - step;
+}
+
+double finest_scale(const FisheyeLens& lens) {
+    double finest = 1;
+    constexpr double step = 0.01;
+    // Near straight backwards a point becomes the whole rim: three times as fine as in the middle is enough there.
+    constexpr double finest_of_use = 3;
+    for (double angle = step; angle < lens.most_angle; angle += step) {
+        const double along = (lens.radius_of(angle) - lens.radius_of(angle - step)) / step;
+        finest = std::max({finest, along, lens.radius_of(angle) / std::max(1e-3, std::sin(angle))});
+    }
+    return std::min(finest, finest_of_use);
 }
 
 FisheyeLens lens_of_circle(FisheyeProjection projection, const PixelCircle& circle, double fov) {

@@ -35,6 +35,9 @@ struct FisheyeLens {
 /// Half the angle of view that the lens can have: past it directions fall on one another. Radians.
 double widest_angle(const FisheyeLens& lens);
 
+/// Pixels a radian where the picture is finest, towards its rim, over those in the middle.
+double finest_scale(const FisheyeLens& lens);
+
 /// The lens whose picture of `fov` radians across fills the circle.
 FisheyeLens lens_of_circle(FisheyeProjection projection, const PixelCircle& circle, double fov);
 

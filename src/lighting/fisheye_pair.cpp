@@ -270,7 +270,7 @@ SphereView view_of(const FisheyePicture& picture, const Matrix3d& view_from_worl
     view.light = &picture.light;
     view.clipped = picture.clipped.empty() ? nullptr : &picture.clipped;
     view.view_from_world = view_from_world;
-    view.px_per_radian = picture.lens.focal_px.maxCoeff();
+    view.px_per_radian = picture.lens.focal_px.maxCoeff() * finest_scale(picture.lens);
     // The rim's own pixel is partly frame.
     const double rim = picture.lens.most_angle - 1 / focal_of(picture);
     const double right = picture.light.width() - 1, bottom = picture.light.height() - 1;

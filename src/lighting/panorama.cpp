@@ -30,6 +30,32 @@ StitchedSphere with_holes(const ImageF& light, const ImageF& clipped) {
     return sphere;
 }
 
+/// Near the poles a row's pixels are far narrower than high, and a lattice of points would miss some of them: each
+/// becomes the mean over as many as are as wide as one is high. A row's sum stays what it is.
+ImageF evened_at_poles(const ImageF& image) {
+    ImageF evened = image;
+    const int width = image.width(), channels = image.channels();
+    for (int y = 0; y < image.height(); ++y) {
+        const double narrow = std::sin(std::numbers::pi * (y + 0.5) / image.height());
+        // Half of the pixels that many to either side; the two at the ends in part.
+        const double reach = std::min(0.5 / narrow, width / 2.0) - 0.5;
+        const int whole = static_cast<int>(std::floor(std::max(0.0, reach)));
+        const double part = std::max(0.0, reach) - whole, total = 1 + 2 * std::max(0.0, reach);
+        if (reach < 0.05) continue;
+        for (int c = 0; c < channels; ++c) {
+            const auto at = [&](int x) { return static_cast<double>(image.at(((x % width) + width) % width, y, c)); };
+            double sum = 0;
+            for (int x = -whole; x <= whole; ++x) sum += at(x);
+            for (int x = 0; x < width; ++x) {
+                evened.at(x, y, c) =
+                    static_cast<float>(std::max(0.0, (sum + part * (at(x - whole - 1) + at(x + whole + 1))) / total));
+                sum += at(x + whole + 1) - at(x - whole);
+            }
+        }
+    }
+    return evened;
+}
+
 }  // namespace
 
 bool is_panorama_shape(int width, int height) {
@@ -46,9 +72,11 @@ StitchedSphere panorama_sphere(const ImageF& light, const ImageF& clipped, const
         if (all.channels() == 5) sphere.clipped = channels_of(all, 4, 1);
         return sphere;
     }
+    const ImageF even_light = evened_at_poles(light);
+    const ImageF even_clipped = clipped.empty() ? ImageF() : evened_at_poles(clipped);
     SphereView view;
-    view.light = &light;
-    view.clipped = clipped.empty() ? nullptr : &clipped;
+    view.light = &even_light;
+    view.clipped = clipped.empty() ? nullptr : &even_clipped;
     view.view_from_world = world_from_picture.transpose();
     view.look = [layout](const Eigen::Vector3d& direction) {
         return ViewPoint{pixel_from_direction(layout, direction), 1};

@@ -220,6 +220,37 @@ TEST(FisheyePair, OneAloneLeavesTheRestUnseen) {
     EXPECT_NEAR(sphere.latlong.at(7, 0, 1), forward.y(), 0.02 * forward.y());
 }
 
+TEST(FisheyePair, ALampOfOnePixelKeepsItsEnergy) {
+    FisheyePicture front{ImageF(300, 300, 3), {}, 0};
+    front.lens = lens_of_circle(FisheyeProjection::equidistant, {{149.3, 150.6}, 140}, 190 * degree);
+    const double focal = front.lens.focal_px.x();
+    for (const int height : {300, 148, 40}) {
+        double worst = 0;
+        for (int i = 0; i < 12; ++i) {
+            const double angle = 90 * degree * std::sqrt((i + 0.5) / 12), azimuth = 2.4 * i;  // spread over the disc
+            const Vector2d px = front.lens.centre_px + focal * angle * Vector2d(std::cos(azimuth), std::sin(azimuth));
+            const int x = static_cast<int>(std::lround(px.x())), y = static_cast<int>(std::lround(px.y()));
+            std::fill_n(front.light.pixel(x, y), 3, 1e5f);
+            const StitchedSphere sphere = stitched_pair(front, nullptr, {}, Matrix3d::Identity(), height);
+            std::fill_n(front.light.pixel(x, y), 3, 0.0f);
+            double energy = 0;
+            for (int row = 0; row < height; ++row) {
+                const double top = std::cos(std::numbers::pi * row / height);
+                const double bottom = std::cos(std::numbers::pi * (row + 1) / height);
+                for (int column = 0; column < 2 * height; ++column) {
+                    const float* pixel = sphere.latlong.pixel(column, row);
+                    energy += pixel[0] * pixel[3] * (top - bottom) * std::numbers::pi / height;
+                }
+            }
+            // A pixel of an equidistant lens holds sin θ / θ / f² steradians.
+            const double own = (Vector2d(x, y) - front.lens.centre_px).norm() / focal;
+            const double truth = 1e5 * (own > 0 ? std::sin(own) / own : 1) / (focal * focal);
+            worst = std::max(worst, std::abs(energy / truth - 1));
+        }
+        EXPECT_LT(worst, 0.01) << height;
+    }
+}
+
 TEST(FisheyePair, PicturesThatLieOnTheirSideAreTurnedUpright) {
     const test::Light room = test::striped_room({});
     test::FisheyeShot shot;

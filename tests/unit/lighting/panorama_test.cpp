@@ -55,6 +55,42 @@ TEST(Panorama, TurnedAndSmallerKeepsItsLight) {
     }
 }
 
+double row_solid_angle(int row, int rows) {
+    return (std::cos(std::numbers::pi * row / rows) - std::cos(std::numbers::pi * (row + 1) / rows)) *
+           std::numbers::pi / rows;
+}
+
+double energy_of(const ImageF& four) {
+    double energy = 0;
+    for (int y = 0; y < four.height(); ++y) {
+        for (int x = 0; x < four.width(); ++x) {
+            energy += four.at(x, y, 0) * four.at(x, y, 3) * row_solid_angle(y, four.height());
+        }
+    }
+    return energy;
+}
+
+TEST(Panorama, ASmallLampKeepsItsEnergyThroughATurn) {
+    const Matrix3d turn = Eigen::AngleAxisd(0.7, Vector3d(1, 2, -0.5).normalized()).toRotationMatrix();
+    for (const int height : {120, 50}) {
+        // One pixel anywhere but at the poles, whose pixels are a hundredth of others and not told apart.
+        for (const auto& [x, y] : {std::pair{239, 4}, {17, 15}, {120, 60}, {201, 77}, {0, 110}}) {
+            ImageF light(240, 120, 3);
+            std::fill_n(light.pixel(x, y), 3, 1e5f);
+            const double energy = energy_of(panorama_sphere(light, {}, turn, height).latlong);
+            EXPECT_NEAR(energy / (1e5 * row_solid_angle(y, 120)), 1, 0.01) << height << ": " << x << ' ' << y;
+        }
+        // A sun straight overhead, three rows wide.
+        ImageF light(240, 120, 3);
+        double truth = 0;
+        for (int y = 0; y < 3; ++y) {
+            for (float& sample : light.row(y)) sample = 1e5f;
+            truth += 240 * 1e5 * row_solid_angle(y, 120);
+        }
+        EXPECT_NEAR(energy_of(panorama_sphere(light, {}, turn, height).latlong) / truth, 1, 0.02) << height;
+    }
+}
+
 TEST(Panorama, HolesStayHolesAndAreCounted) {
     Probe probe = test::probe_of(90, room);
     for (int y = 75; y < 90; ++y) {  // a tripod's cap of 30° about straight down
