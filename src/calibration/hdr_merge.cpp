@@ -27,6 +27,7 @@ public:
         channel_ = channel;
         samples_.clear();
     }
+    bool empty() const { return samples_.empty(); }
     /// Photographs come in their order, the longest exposure first.
     void add(std::size_t shot, float code) { samples_.push_back({shot, setup_.table.light(code, channel_)}); }
 
@@ -108,6 +109,13 @@ void merge_row(const MergeSetup& setup, const std::vector<Image8>& ghosts, int y
                     continue;
                 }
                 pixel.add(shot, code);
+            }
+            const bool none_agrees = pixel.empty();
+            // A channel may be clipped in all that agree. Those that do not agree hold it all the same, and what they
+            // show is nearer than the bound of the shortest exposure, which is none where that is not clipped.
+            for (std::size_t shot = 0; none_agrees && shot < setup.codes.size(); ++shot) {
+                const float code = setup.codes[shot]->at(x, y, c);
+                if (!setup.clipped(code, c)) pixel.add(shot, code);
             }
             const PixelMerge::Result result = pixel.result();
             if (result.clipped) flags |= merge_flag::clipped;

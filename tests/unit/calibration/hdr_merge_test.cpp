@@ -163,6 +163,27 @@ TEST_F(HdrMerge, ThingsThatMovedComeFromTheReferenceAlone) {
     EXPECT_LT(with.ghost_pixels, 36 * 26);  // the thing and its rim
 }
 
+TEST_F(HdrMerge, WhatOnlyGhostsHoldIsWhatTheyShow) {
+    const SyntheticCamera camera;
+    const std::vector<double> exposures = {0.25, 4, 64};
+    // A lamp that only the shortest exposure holds, and that moves from one to the next: beside each of its places some
+    // photograph disagrees, and masks of what disagrees reach beyond it.
+    ExposureSeries series;
+    for (int shot = 0; shot < 3; ++shot) {
+        ImageF scene(128, 64, 3, 0.002f);
+        for (int y = 20; y < 40; ++y) {
+            for (int x = 60 - 4 * shot; x < 70 - 4 * shot; ++x) std::fill_n(scene.pixel(x, y), 3, 1.0f);
+        }
+        const ExposureSeries taken = photographed(scene, exposures, camera);
+        if (shot == 0) series = taken;
+        series.shots[static_cast<std::size_t>(shot)].code = taken.shots[static_cast<std::size_t>(shot)].code;
+    }
+    const MergedPhotograph merged = merge_exposures(series, camera.response, {}, warnings_);
+    // Nothing is brighter than any photograph shows; full code of the shortest would be 4.
+    EXPECT_LT(*std::ranges::max_element(merged.radiance.samples()), 1.2f);
+    EXPECT_EQ(merged.clipped_pixels, 0);
+}
+
 TEST_F(HdrMerge, WrongExposuresAreMeasuredWarnedOfAndRefined) {
     const ImageF radiance = radiance_ramp(256, 128, 10);
     ExposureSeries series = photographed(radiance, {1, 4, 16, 64}, {});
