@@ -22,6 +22,8 @@ void add_light_options(CLI::App& command, LightOptions& options) {
                     "The camera's curve: a response.json, srgb (default), linear or gamma=2.2; raw files need none")
         ->type_name("FILE|FAMILY");
     add_exposure_options(command, options.exposures);
+    command.add_flag("--deghost", options.deghost,
+                     "Leave photographs out where they show something else; may cost small lamps some of their light");
 }
 
 LinearLight read_light(const std::vector<fs::path>& files, const LightOptions& options, Warnings& warnings) {
@@ -57,6 +59,7 @@ LinearLight read_light(const std::vector<fs::path>& files, const LightOptions& o
     const ExposureSeries series = read_photographs(photographs, warnings);
     MergeOptions merging;
     merging.align = options.align;
+    merging.deghost = options.deghost;
     MergedPhotograph merged = merge_exposures(series, response_of(options.response), merging, warnings);
     result.light = std::move(merged.radiance);
     result.exposure = merged.exposures[merged.reference];

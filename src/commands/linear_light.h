@@ -19,8 +19,9 @@ struct LightOptions {
     std::string response = "srgb";
     PhotographOptions exposures;  // without photographs
     Alignment align = Alignment::automatic;
+    bool deghost = false;  // around small lamps photographs differ by the lens' and JPEG's blur, and energy would go
 };
-/// --response, --times, --f-numbers, --iso.
+/// --response, --times, --f-numbers, --iso, --deghost.
 void add_light_options(CLI::App& command, LightOptions& options);
 
 struct LinearLight {
