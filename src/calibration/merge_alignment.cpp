@@ -146,13 +146,23 @@ double largest_shift_px(const Warp& warp, const cv::Size& size) {
     return largest;
 }
 
-/// A photograph is seen to have moved when moved it agrees by a twentieth better than when moved the opposite way.
+/// A photograph is seen to have moved when moved it agrees by a twentieth better than when moved the opposite way, and
+/// better than when moved a pixel further in any direction: along an even slope of light any motion is as good as
+/// another step of exposure.
 bool is_seen(const Plane& fixed, const Plane& moving, const Warp& warp) {
     // Less blurs more by resampling than it mends.
     constexpr double least_px = 0.15;
     if (largest_shift_px(warp, fixed.value.size()) < least_px) return false;
+    const double moved = mean_square_difference(fixed, moving, warp);
     const Warp opposite = narrowed(squared(warp).inv());
-    return mean_square_difference(fixed, moving, warp) < 0.95 * mean_square_difference(fixed, moving, opposite);
+    if (moved >= 0.95 * mean_square_difference(fixed, moving, opposite)) return false;
+    for (const cv::Vec2f& further : {cv::Vec2f(1, 0), cv::Vec2f(-1, 0), cv::Vec2f(0, 1), cv::Vec2f(0, -1)}) {
+        Warp other = warp;
+        other(0, 2) += further[0];
+        other(1, 2) += further[1];
+        if (mean_square_difference(fixed, moving, other) < 1.02 * moved) return false;
+    }
+    return true;
 }
 
 PhotographMotion motion_of(const cv::Matx33d& warp, int width, int height) {

@@ -55,6 +55,8 @@ std::vector<StabilityCase> motion_blur_cases();
 std::vector<StabilityCase> depth_of_field_cases();
 /// The pose of a tag over sizes, tilts, blurs and noise, against other libraries': on the CPU.
 std::vector<StabilityCase> tag_pose_cases(bool quick);
+/// Bracketed photographs, their merge and the response they tell: on the CPU.
+std::vector<StabilityCase> exposure_cases();
 /// All of them; `quick` leaves out most of the slow ones.
 std::vector<StabilityCase> stability_cases(bool quick = false);
 

@@ -115,5 +115,14 @@ TEST_F(MergeAlignment, NothingToSeeIsNoMotion) {
     }
 }
 
+TEST_F(MergeAlignment, ASlopeOfLightIsNoMotion) {
+    // Noise that ends at black and full makes the steps between exposures look shorter, as sliding along the slope
+    // does.
+    const SyntheticCamera noisy{.read_noise = 0.05, .shot_noise = 0.02};
+    const ExposureSeries series = photographed(radiance_ramp(512, 128, 10), {0.25, 1, 4, 16, 64}, noisy);
+    const MergedPhotograph merged = merge_exposures(series, noisy.response, {}, warnings_);
+    for (const auto& motion : merged.motions) EXPECT_FALSE(motion.has_value());
+}
+
 }  // namespace
 }  // namespace matchlight
