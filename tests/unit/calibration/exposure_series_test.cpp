@@ -9,6 +9,7 @@
 
 #include "../media/scratch_folder.h"
 #include "core/error.h"
+#include "synthetic_dng.h"
 
 namespace matchlight {
 namespace {
@@ -98,6 +99,26 @@ TEST_F(ExposureSeriesTest, RefusesWithACause) {
     EXPECT_NE(error_of({a, folder_ / "missing.jpg"}).find("missing.jpg: no such file"), std::string::npos);
     EXPECT_EQ(error_of({a}), "accepted");
     EXPECT_EQ(warned("one photograph alone"), 1);
+}
+
+TEST_F(ExposureSeriesTest, RawFilesAreLinearAndNothingFollowsTheirContent) {
+    if (!OIIO::ImageInput::create("raw")) GTEST_SKIP() << "OpenImageIO was built without LibRaw";
+    const fs::path bright = write_bytes("bright.dng", SyntheticDng{.level = 8000, .time_divisor = 30}.bytes());
+    const fs::path dark = write_bytes("dark.DNG", SyntheticDng{.level = 2000, .time_divisor = 120}.bytes());
+    const ExposureSeries series = read_exposure_series({dark, bright}, {}, warnings_);
+    ASSERT_EQ(series.shots[0].path, bright);
+    EXPECT_NEAR(series.shots[0].exposure, 1.0 / 30 / 64, 1e-6);
+    EXPECT_NEAR(series.shots[1].exposure, 1.0 / 120 / 64, 1e-6);
+    for (const Photograph& shot : series.shots) {
+        EXPECT_TRUE(shot.linear);
+        const double expected = (shot.path == bright ? 8000.0 : 2000.0) / 16383;
+        // The colour matrix, rounded to ten-thousandths, is not quite its own inverse.
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(shot.code.at(30, 20, c), expected, 3e-4 * expected + 1e-5);
+    }
+    const fs::path developed = write_photograph("developed.jpg", {1.0 / 60, 8, 100}, 9, 64);
+    EXPECT_NE(error_of({bright, write_bytes("broken.dng", "no raw file")}).find("broken.dng: is no readable raw file"),
+              std::string::npos);
+    EXPECT_NE(error_of({bright, developed}), "accepted");
 }
 
 TEST(Seconds, FractionsAndNumbers) {
