@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -17,6 +18,7 @@
 #include "core/error.h"
 #include "core/version.h"
 #include "lighting/probe_file.h"
+#include "lighting/probe_record.h"
 #include "lighting/resample.h"
 
 namespace matchlight {
@@ -57,14 +59,46 @@ ProbeLayout wanted_layout(const ProbeConvertOptions& options, const ProbeLayout&
     return layout_of_size(options.to, size, options.cube);
 }
 
+/// What the input says of its pixels, turned and resampled as its light is.
+RecordedChannels converted(const ProbeRecord& record, double rotation_deg, const ProbeLayout& to) {
+    RecordedChannels result;
+    std::vector<const ImageF*> maps;
+    const auto take = [&](const char* name, const std::optional<ImageF>& map) {
+        if (!map) return;
+        result.names.emplace_back(name);
+        maps.push_back(&*map);
+    };
+    take("sigma", record.sigma);
+    take("seen", record.seen);
+    take("clipped", record.clipped);
+    if (maps.empty()) return result;
+    // They travel in the place of red, green and blue.
+    Probe all{ImageF(maps[0]->width(), maps[0]->height(), 3)};
+    const auto count = static_cast<int>(maps.size());
+    for (int y = 0; y < all.latlong.height(); ++y) {
+        for (int x = 0; x < all.latlong.width(); ++x) {
+            for (int c = 0; c < count; ++c) all.latlong.at(x, y, c) = maps[static_cast<std::size_t>(c)]->at(x, y);
+        }
+    }
+    if (rotation_deg != 0) all = placed(all, {rotation_deg, 0});
+    const ImageF image = image_from_probe(all, to);
+    result.image = ImageF(to.width, to.height, count);
+    for (int y = 0; y < to.height; ++y) {
+        for (int x = 0; x < to.width; ++x) std::copy_n(image.pixel(x, y), count, result.image.pixel(x, y));
+    }
+    return result;
+}
+
 void run_convert(const ProbeConvertOptions& options, CommandContext& context) {
     check_conversion(options);
     const OutputLock lock(options.output);
     ProbeImage file = read_probe_image(options.input, options.from, context.warnings);
     const ProbeLayout to = wanted_layout(options, file.layout);
 
-    ImageMetadata metadata = {{"software", std::string("matchlight ") + version},
-                              {"source", options.input.filename().string()}};
+    const ProbeRecord record = read_probe_record(options.input, file);
+    ImageMetadata metadata = record.metadata;
+    metadata["software"] = std::string("matchlight ") + version;
+    metadata.emplace("source", options.input.filename().string());  // unless the input names its own
     ImageF image;
     if (options.placement.rotation_deg != 0 || options.placement.exposure_ev != 0) {
         metadata["rotation_deg"] = fmt::format("{}", options.placement.rotation_deg);
@@ -73,7 +107,7 @@ void run_convert(const ProbeConvertOptions& options, CommandContext& context) {
     } else {
         image = resample(file.image, file.layout, to);
     }
-    write_probe_image(options.output, image, to, metadata);
+    write_probe_image(options.output, image, to, metadata, converted(record, options.placement.rotation_deg, to));
 
     json result{{"file", options.output.string()},
                 {"width", to.width},

@@ -219,6 +219,31 @@ TEST_F(ProbeCommand, CompareTellsHowDifferentObjectsLook) {
     EXPECT_EQ(read_rgb8(picture).width(), 1152);
 }
 
+TEST_F(ProbeCommand, ConvertKeepsWhatAProbeSaysOfItself) {
+    // The half towards +x was not seen; turned by 180° it is the half towards −x.
+    ImageF image(64, 32, 4, 1.0f);
+    for (int y = 0; y < 32; ++y) {
+        for (int x = 0; x < 64; ++x) image.at(x, y, 3) = x < 32 ? 1.0f : 0.0f;
+    }
+    const std::string built = in_scratch("built.exr");
+    write_exr(built, 64, 32,
+              {{.name = "", .channels = {"R", "G", "B", "seen"}, .image = &image, .half = true, .data_window = {}}},
+              {{"place_m", "0 0.02 0.04"}, {"source", "ball_1.jpg"}});
+    const std::string turned = in_scratch("turned_built.exr");
+    ASSERT_TRUE(succeeded(
+        run_matchlight({"probe", "convert", built, "-o", turned, "--to", "latlong", "--rotation-deg", "180"})));
+    const json info = probe_json({"info", turned});
+    EXPECT_NEAR(info["unseen_share"].get<double>(), 0.5, 1e-3);
+    EXPECT_EQ(info["metadata"]["place_m"], "0 0.02 0.04");
+    EXPECT_EQ(info["metadata"]["source"], "ball_1.jpg");
+    const ImageF seen = read_exr_part(turned, "rgb", {"seen"});
+    EXPECT_NEAR(seen.at(10, 16), 0, 1e-3);
+    EXPECT_NEAR(seen.at(50, 16), 1, 1e-3);
+    const std::string cube = in_scratch("built_cube.exr");
+    ASSERT_TRUE(succeeded(run_matchlight({"probe", "convert", built, "-o", cube, "--to", "cube"})));
+    EXPECT_NEAR(probe_json({"info", cube})["unseen_share"].get<double>(), 0.5, 0.01);
+}
+
 TEST_F(ProbeCommand, ConvertKeepsASunBeyondHalfRange) {
     HandmadeExr exr{.width = 32, .height = 16};
     exr.sample = [](int x, int y, int) { return x == 20 && y == 5 ? 1e6f : 1.0f; };
