@@ -11,6 +11,7 @@ void add_probe_command(CLI::App& app, CommandContext& context) {
     command->require_subcommand(1);
     add_probe_info_command(*command, context);
     add_probe_convert_command(*command, context);
+    add_probe_build_command(*command, context);
     add_probe_compare_command(*command, context);
     add_probe_calibrate_command(*command, context);
     add_probe_view_command(*command, context);

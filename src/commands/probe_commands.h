@@ -9,6 +9,7 @@ namespace matchlight {
 
 // Each adds its subcommand to `probe`; its callback runs the job and throws InputError to fail.
 void add_probe_calibrate_command(CLI::App& probe, CommandContext& context);
+void add_probe_build_command(CLI::App& probe, CommandContext& context);
 void add_probe_compare_command(CLI::App& probe, CommandContext& context);
 void add_probe_convert_command(CLI::App& probe, CommandContext& context);
 void add_probe_fisheye_command(CLI::App& probe, CommandContext& context);

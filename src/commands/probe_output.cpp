@@ -19,7 +19,7 @@ namespace matchlight {
 
 using nlohmann::json;
 
-void add_probe_output_options(CLI::App& command, ProbeOutput& output) {
+void add_probe_file_options(CLI::App& command, ProbeOutput& output) {
     command.add_option("-o,--output", output.path, "Where to write: .exr or .hdr")->required();
     command.add_option("--to", output.to, "latlong (default), angular, mirrorball or cube")
         ->transform(CLI::CheckedTransformer(mappings_by_name()).description(""))
@@ -35,6 +35,11 @@ void add_probe_output_options(CLI::App& command, ProbeOutput& output) {
                     "vertical-cross (default), horizontal-cross, strip (OpenGL's order), column (OpenEXR's)")
         ->transform(CLI::CheckedTransformer(cubes_by_name()).description(""))
         ->type_name("LAYOUT");
+    command.add_flag("--overwrite", output.overwrite, "Replace a file that exists");
+}
+
+void add_probe_output_options(CLI::App& command, ProbeOutput& output) {
+    add_probe_file_options(command, output);
     command
         .add_option(
             "--up", output.up,
@@ -46,7 +51,6 @@ void add_probe_output_options(CLI::App& command, ProbeOutput& output) {
     command.add_option("--rotation-deg", output.rotation_deg, "Turn the light counter-clockwise seen from above")
         ->check(within(3600))
         ->type_name("DEGREES");
-    command.add_flag("--overwrite", output.overwrite, "Replace a file that exists");
 }
 
 int wanted_latlong_height(const ProbeOutput& output, int natural) {

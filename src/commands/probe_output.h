@@ -23,7 +23,9 @@ struct ProbeOutput {
     double rotation_deg = 0;
     bool overwrite = false;
 };
-/// -o, --to, --size, --cube-layout, --up, --rotation-deg, --overwrite.
+/// -o, --to, --size, --cube-layout, --overwrite.
+void add_probe_file_options(CLI::App& command, ProbeOutput& output);
+/// Those, --up and --rotation-deg.
 void add_probe_output_options(CLI::App& command, ProbeOutput& output);
 
 /// Rows of the lat-long map to make, where the pictures hold `natural` of them.

@@ -1,0 +1,130 @@
+// matchlight probe build, as a user runs it: on the table's photographs, and on what cannot become a probe.
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/image.h"
+#include "media/image_io.h"
+#include "run_matchlight.h"
+
+namespace matchlight::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class ProbeBuild : public CommandTest {
+protected:
+    std::string camera(int width, int height) const {
+        const fs::path path = scratch_ / "camera.yaml";
+        std::ofstream(path)
+            << "%YAML:1.0\n---\nimage_width: " << width << "\nimage_height: " << height
+            << "\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 400., 0., "
+            << (width - 1) / 2.0 << ", 0., 400., " << (height - 1) / 2.0
+            << ", 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n"
+               "   dt: d\n   data: [ 0., 0., 0., 0., 0. ]\n";
+        return path.string();
+    }
+    std::string picture(const std::string& name, int width = 160, int height = 120) const {
+        ImageF image(width, height, 3);
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                for (int c = 0; c < 3; ++c) image.at(x, y, c) = 0.3F + 0.001F * static_cast<float>(x);
+            }
+        }
+        const fs::path path = scratch_ / name;
+        write_exr(path, width, height, {{"radiance", {"R", "G", "B"}, &image, false, {}}}, {});
+        return path.string();
+    }
+    /// Refused in one line with `words`, nothing written.
+    void expect_refused(std::vector<std::string> arguments, const std::vector<std::string>& words) const {
+        const std::string out = (scratch_ / "out.exr").string();
+        arguments.insert(arguments.begin(), {"probe", "build", "-o", out});
+        EXPECT_TRUE(failed_naming(run_matchlight(arguments), words));
+        EXPECT_TRUE(nothing_left_of(out));
+    }
+};
+
+TEST_F(ProbeBuild, RefusesWhatCannotBecomeAProbe) {
+    const std::string lens = camera(160, 120), plain = picture("plain.exr");
+    expect_refused({"--view", plain, "--camera", lens, "--ball-radius", "0.035"},
+                   {"plain.exr", "no ball", "looked for a circle"});
+    expect_refused({"--view", plain, "--camera", lens, "--ball-radius", "0"}, {"radius"});
+    expect_refused({"--view", plain, "--camera", lens, "--ball-radius", "nan"}, {"radius"});
+    expect_refused({"--view", (scratch_ / "missing.exr").string(), "--camera", lens, "--ball-radius", "0.035"},
+                   {"missing.exr"});
+    expect_refused({"--view", plain, "--camera", (scratch_ / "none.yaml").string(), "--ball-radius", "0.035"},
+                   {"none.yaml"});
+    expect_refused({"--view", plain, "--camera", camera(200, 120), "--ball-radius", "0.035"}, {"plain.exr"});
+    expect_refused({"--view", plain, "--camera", camera(160, 120), "--ball-radius", "0.035", "--reflectance", "1.5"},
+                   {"reflectance"});
+    expect_refused(
+        {"--view", plain, "--camera", lens, "--ball-radius", "0.035", "--circle", "80,60,30", "--circle", "80,60,30"},
+        {"2 circles for 1 views"});
+    fs::create_directory(scratch_ / "empty");
+    expect_refused({"--view", (scratch_ / "empty").string(), "--camera", lens, "--ball-radius", "0.035"},
+                   {"empty", "no photograph"});
+}
+
+TEST_F(ProbeBuild, RefusesToWriteOverItsPhotographs) {
+    const std::string plain = picture("plain.exr");
+    EXPECT_TRUE(failed_naming(run_matchlight({"probe", "build", "-o", plain, "--overwrite", "--view", plain, "--camera",
+                                              camera(160, 120), "--ball-radius", "0.035"}),
+                              {"plain.exr", "the output is the input"}));
+}
+
+/// The photographs of the table's ball, in the folder of further test data.
+class TableBall : public SharedDataTest {
+protected:
+    std::vector<std::string> arguments(int darkest, int views) const {
+        const fs::path balls = data_ / "table" / "balls";
+        std::vector<std::string> result;
+        for (int v = 0; v < views; ++v) {
+            result.emplace_back("--view");
+            for (int b = 0; b <= darkest; ++b) {
+                result.push_back((balls / ("v" + std::to_string(v) + "_b" + std::to_string(b) + ".jpg")).string());
+            }
+        }
+        for (const std::string& one :
+             {std::string("--camera"), (balls / "camera.yaml").string(), std::string("--ball-radius"),
+              std::string("0.035"), std::string("--rig"),
+              (fs::path(MATCHLIGHT_SOURCE_DIR) / "samples" / "table" / "table.toml").string()}) {
+            result.push_back(one);
+        }
+        return result;
+    }
+};
+
+TEST_F(TableBall, BecomesTheLightThatWasThere) {
+    const std::string out = (scratch_ / "probe.exr").string();
+    std::vector<std::string> call = {"probe", "build", "--json", "-o", out};
+    const auto rest = arguments(8, 2);
+    call.insert(call.end(), rest.begin(), rest.end());
+    const RunResult result = run_matchlight(call);
+    ASSERT_TRUE(succeeded(result));
+    const json built = json::parse(result.standard_output);
+    // The ball stands at (0, 0.02, 0.0355) and reflects nine tenths.
+    EXPECT_NEAR(built["ball"]["centre_m"][0].get<double>(), 0, 3e-4);
+    EXPECT_NEAR(built["ball"]["centre_m"][1].get<double>(), 0.02, 3e-4);
+    EXPECT_NEAR(built["ball"]["centre_m"][2].get<double>(), 0.0355, 3e-4);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(built["ball"]["reflectance"][c].get<double>(), 0.9, 0.03);
+    EXPECT_TRUE(built["views"][0]["pose_from_ball"].get<bool>());  // it shows no whole tag
+    EXPECT_NEAR(built["views"][0]["eye_m"][0].get<double>(), -0.25, 5e-4);
+    EXPECT_NEAR(built["views"][1]["eye_m"][0].get<double>(), 0.45, 5e-4);
+
+    const RunResult compared =
+        run_matchlight({"probe", "compare", "--json", (data_ / "table" / "probe.exr").string(), out});
+    ASSERT_TRUE(succeeded(compared));
+    const json score = json::parse(compared.standard_output);
+    // Hand work with the exact circle gets 0.070, 0.56° and 0.075 EV.
+    EXPECT_LT(score["irradiance_rmse"].get<double>(), 0.06);
+    EXPECT_LT(score["brightest_angle_deg"].get<double>(), 0.3);
+    EXPECT_LT(score["median_abs_ev"].get<double>(), 0.07);
+}
+
+}  // namespace
+}  // namespace matchlight::test

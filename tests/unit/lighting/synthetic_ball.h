@@ -1,0 +1,84 @@
+// Photographs of a mirror ball in a known sky, by casting rays.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "lighting/ball_view.h"
+#include "lighting/mirror_ball.h"
+#include "synthetic_probes.h"
+
+namespace matchlight::test {
+
+struct BallShot {
+    Camera camera;
+    MirrorBall ball;  // world
+    RigidTransform camera_from_world;
+    double reflectance = 1;  // head on
+    double blob = 0;         // cosine: the photographer, black, from his direction out to this
+    /// What stands close behind the ball, if anything: at its rim a mirror shows what lies far behind it.
+    std::optional<Eigen::Vector3d> backdrop;
+};
+
+inline Camera long_lens(int width, int height, double focal_px) {
+    Camera camera;
+    camera.width = width;
+    camera.height = height;
+    camera.fx = camera.fy = focal_px;
+    camera.cx = (width - 1) / 2.0 + 7.3;
+    camera.cy = (height - 1) / 2.0 - 4.6;
+    camera.distortion = {-0.09, 0.03, 5e-4, -3e-4, 0};
+    return camera;
+}
+
+/// A camera at `eye_m` that sees the ball near the middle of its picture.
+inline RigidTransform looking_at(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& target_m) {
+    return camera_looking_along(eye_m, (target_m - eye_m).normalized());
+}
+
+/// Every pixel is the mean of 4 × 4 rays; the sky is infinitely far away.
+inline BallView photographed(const BallShot& shot, const Sky& sky) {
+    BallView view;
+    view.name = "synthetic";
+    view.camera = shot.camera;
+    view.radiance = ImageF(shot.camera.width, shot.camera.height, 3);
+    BallView posed;
+    posed.camera = shot.camera;
+    posed.camera_from_world = shot.camera_from_world;
+    const Eigen::Vector3d eye = posed.eye_m();
+    const Eigen::Vector3d towards_eye = (eye - shot.ball.centre_m).normalized();
+    constexpr int side = 4;
+    for (int y = 0; y < shot.camera.height; ++y) {
+        for (int x = 0; x < shot.camera.width; ++x) {
+            Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+            for (int k = 0; k < side * side; ++k) {
+                const double dx = (k % side + 0.5) / side - 0.5, dy = (k / side + 0.5) / side - 0.5;
+                const Eigen::Vector3d ray = posed.ray({x + dx, y + dy});
+                const auto hit = hit_ball(shot.ball, eye, ray);
+                if (!hit) {
+                    sum += shot.backdrop ? *shot.backdrop : sky(ray);
+                } else if (shot.blob <= 0 || hit->reflected.dot(towards_eye) < shot.blob) {
+                    sum += fresnel_reflectance(shot.reflectance, hit->cosine) * sky(hit->reflected);
+                }
+            }
+            for (int c = 0; c < 3; ++c) view.radiance.at(x, y, c) = static_cast<float>(sum[c] / (side * side));
+        }
+    }
+    return view;
+}
+
+/// A room: bright above, dark below, windows, and a lamp at `lamp` of 3° radius.
+inline Sky room_with_lamp(const Eigen::Vector3d& lamp, double lamp_radiance) {
+    return [=](const Eigen::Vector3d& d) -> Eigen::Vector3d {
+        if (d.dot(lamp) > std::cos(3 * 3.14159265358979 / 180)) return Eigen::Vector3d::Constant(lamp_radiance);
+        const double azimuth = std::atan2(d.y(), d.x());
+        if (d.z() > 0 && d.z() < 0.5 && azimuth > 0.3 && azimuth < 1.2) return {3, 4, 6};
+        if (d.z() > -0.1 && d.z() < 0.3 && azimuth < -1.5 && azimuth > -2.3) return {2, 0.4, 0.3};
+        return smooth_sky(d) * (d.z() > 0 ? 0.6 : 0.2);
+    };
+}
+
+}  // namespace matchlight::test
