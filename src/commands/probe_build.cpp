@@ -276,7 +276,7 @@ void run_build(const ProbeBuildCall& call, CommandContext& context) {
          {"exposure_scale", fmt::format("{}", scale.value_or(1))},
          {"coverage", fmt::format("{}", build.probe.coverage)},
          {"source", fmt::format("{}", fmt::join(sources, " "))}},
-        &known);
+        {{"sigma", "seen", "clipped"}, known});
     print_result(context, result_json(call, build, layout, scale.value_or(1)), result_text(call, build, layout));
 }
 
