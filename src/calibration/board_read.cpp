@@ -207,6 +207,9 @@ BoardSpec read_board(const std::string& text_or_path) {
     if (const std::optional<BoardKind> kind = kind_of(words[0]); kind && !is_file) {
         return board_of_words(words, *kind, text_or_path);
     }
+    if (!is_file && (words[0] == "tags" || words[0] == "tag")) {
+        fail(text_or_path, "names tags to print; a lens is calibrated with a board");
+    }
     if (!is_file) fail(text_or_path, "is neither a board nor a file");
     constexpr std::size_t limit_bytes = 1u << 20;  // a board is a few lines
     const std::string text = read_text_file(text_or_path, limit_bytes);

@@ -18,8 +18,8 @@ public:
     void add(double at) { at_.push_back(at); }
     void finish() {
         std::ranges::sort(at_);
-        const auto last = std::ranges::unique(at_, [](double a, double b) { return b - a < same_edge_mm; });
-        at_.erase(last.begin(), last.end());
+        const auto same = [](double a, double b) { return b - a < same_edge_mm; };
+        at_.erase(std::unique(at_.begin(), at_.end(), same), at_.end());
     }
     int index_of(double at) const {
         return static_cast<int>(std::ranges::lower_bound(at_, at - same_edge_mm) - at_.begin());

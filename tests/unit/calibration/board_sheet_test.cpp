@@ -208,6 +208,8 @@ TEST(TagSheet, RefusesWhatNoSheetIs) {
         EXPECT_NE(said(std::string("tags tag36h11 0 ") + size).find("no size of a tag"), std::string::npos) << size;
     }
     EXPECT_NE(said("tags tag36h11 0").find("3 words"), std::string::npos);
+    const std::string as_board = refusal([] { (void)read_board("tags tag36h11 0-5 0.08"); });
+    EXPECT_NE(as_board.find("calibrated with a board"), std::string::npos) << as_board;
 }
 
 TEST(Paper, NamesTheOneThatIsLargeEnough) {

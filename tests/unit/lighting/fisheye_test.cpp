@@ -224,10 +224,10 @@ TEST(FisheyePair, ALampOfOnePixelKeepsItsEnergy) {
     FisheyePicture front{ImageF(300, 300, 3), {}, 0};
     front.lens = lens_of_circle(FisheyeProjection::equidistant, {{149.3, 150.6}, 140}, 190 * degree);
     const double focal = front.lens.focal_px.x();
-    for (const int height : {300, 148, 40}) {
+    for (const int height : {150, 40}) {
         double worst = 0;
-        for (int i = 0; i < 12; ++i) {
-            const double angle = 90 * degree * std::sqrt((i + 0.5) / 12), azimuth = 2.4 * i;  // spread over the disc
+        for (int i = 0; i < 8; ++i) {
+            const double angle = 90 * degree * std::sqrt((i + 0.5) / 8), azimuth = 2.4 * i;  // spread over the disc
             const Vector2d px = front.lens.centre_px + focal * angle * Vector2d(std::cos(azimuth), std::sin(azimuth));
             const int x = static_cast<int>(std::lround(px.x())), y = static_cast<int>(std::lround(px.y()));
             std::fill_n(front.light.pixel(x, y), 3, 1e5f);
