@@ -75,7 +75,9 @@ Vector3d lamp_near(const Probe& probe, const Vector3d& lamp) {
 
 TEST(FisheyeLens, CircleAndAngleOfViewGiveTheFocalLength) {
     const PixelCircle circle{{100, 90}, 80};
-    for (const FisheyeProjection projection : projections) {
+    std::vector<FisheyeProjection> all(projections.begin(), projections.end());
+    all.push_back(FisheyeProjection::orthographic);
+    for (const FisheyeProjection projection : all) {
         const FisheyeLens lens = lens_of_circle(projection, circle, 160 * degree);
         const Vector3d at_rim(std::sin(80 * degree), 0, std::cos(80 * degree));
         EXPECT_NEAR((*lens.pixel_from_direction(at_rim) - Vector2d(180, 90)).norm(), 0, 1e-9);
@@ -86,6 +88,8 @@ TEST(FisheyeLens, CircleAndAngleOfViewGiveTheFocalLength) {
         EXPECT_NEAR(test::angle_of_radius(projection, radius / lens.focal_px.x()), 50 * degree, 1e-12);
     }
     FisheyeLens folding{FisheyeProjection::kannala_brandt, {0, 0}, {100, 100}, {-0.1, 0, 0, 0}, 1};
+    FisheyeLens half{FisheyeProjection::orthographic, {0, 0}, {100, 100}, {}, 1};
+    EXPECT_NEAR(widest_angle(half), 90 * degree, 1e-12);
     // θ − 0.1 θ³ rises until θ² = 10/3.
     EXPECT_NEAR(widest_angle(folding), std::sqrt(10.0 / 3), 2e-3);
 }
