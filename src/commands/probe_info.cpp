@@ -175,7 +175,7 @@ void run_info(const ProbeInfoOptions& options, CommandContext& context) {
 
 void add_probe_info_command(CLI::App& probe, CommandContext& context) {
     CLI::App* command = probe.add_subcommand(
-        "info", "Range, average, irradiance, spherical harmonics, dominant lights, clipped pixels");
+        "info", "Range, average, irradiance, spherical harmonics, dominant lights, clipped and unseen parts; a page");
     const auto options = std::make_shared<ProbeInfoOptions>();
     command->add_option("PROBE", options->probe, "An .exr or .hdr image of all directions")->required();
     add_from_option(*command, options->from);

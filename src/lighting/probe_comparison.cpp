@@ -82,7 +82,8 @@ void compare_irradiance(const std::vector<Vector3d>& truth, const std::vector<Ve
     result.worst_irradiance /= mean;
 }
 
-/// Where the light points that is left of the luminance, smoothed over the sphere, above 0.3 of its largest.
+/// Where the light points that rises above 0.3 of the largest luminance, once it is smoothed over the sphere: what
+/// comes near that limit counts for next to nothing, so that a window does not jump in or out.
 Vector3d brightest_direction(const Probe& probe) {
     const ImageF& image = probe.latlong;
     const LatlongGrid grid(image.width(), image.height());
@@ -123,8 +124,9 @@ Vector3d brightest_direction(const Probe& probe) {
         for (int x = 0; x < image.width(); ++x) {
             const double value = smooth[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width()) +
                                         static_cast<std::size_t>(x)];
-            if (value <= 0.3 * largest) continue;
-            direction += value * grid.solid_angle(y) * latlong_direction(x, y, image.width(), image.height());
+            const double above = value - 0.3 * largest;
+            if (above <= 0) continue;
+            direction += above * grid.solid_angle(y) * latlong_direction(x, y, image.width(), image.height());
         }
     }
     return direction;
