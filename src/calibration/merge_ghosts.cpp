@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "calibration/merge_setup.h"
@@ -31,19 +32,32 @@ int grid_stride(const MergeSetup& setup) {
     return std::max(1, std::max(setup.width(), setup.height()) / 512);
 }
 
+/// Compression carries full pixels below full beside darker ones, and would make a photograph that clips a small lamp
+/// the judge of those that do not.
+bool near_full(const MergeSetup& setup, std::size_t shot, int x, int y) {
+    constexpr float most_light = 0.7f;
+    const float* code = setup.codes[shot]->pixel(x, y);
+    for (int c = 0; c < 3; ++c) {
+        if (setup.clipped(code[c], c) || setup.table.light(code[c], c) > most_light * setup.weights[shot].full_light(c))
+            return true;
+    }
+    return false;
+}
+
 std::size_t local_reference(const MergeSetup& setup, std::size_t reference, int x, int y) {
     std::size_t shot = reference;
-    while (shot + 1 < setup.codes.size() && setup.clipped(shot, x, y)) ++shot;
+    while (shot + 1 < setup.codes.size() && near_full(setup, shot, x, y)) ++shot;
     if (shot != reference) return shot;
     while (shot > 0 && !above_noise(setup, shot, x, y) && !setup.clipped(shot - 1, x, y)) --shot;
     return shot;
 }
 
 /// Light that a photograph shows where there is none, a channel each: twice the median over pixels whose expected light
-/// is under its noise. Film has fog there, compression leaves stains, and no curve tells what lies under the second
-/// code. Differences below it say nothing.
+/// is under its noise or nine stops below full. Film has fog there, compression leaves stains, and no curve tells what
+/// lies under the second code. Differences below it say nothing.
 std::array<float, 3> black_light(const MergeSetup& setup, std::size_t shot, std::size_t reference) {
     constexpr std::size_t least_pixels = 100;
+    constexpr float darkest_told = 0.002f;
     const int stride = grid_stride(setup);
     std::array<std::vector<double>, 3> seen;
     for (int y = 0; y < setup.height(); y += stride) {
@@ -53,7 +67,8 @@ std::array<float, 3> black_light(const MergeSetup& setup, std::size_t shot, std:
             const auto ratio = static_cast<float>(setup.exposures[shot] / setup.exposures[local]);
             for (int c = 0; c < 3; ++c) {
                 const float expected = ratio * setup.table.light(setup.codes[local]->at(x, y, c), c);
-                if (expected * expected > setup.weights[shot].variance(0, c)) continue;
+                const float dark = darkest_told * setup.weights[shot].full_light(c);
+                if (expected * expected > std::max(setup.weights[shot].variance(0, c), dark * dark)) continue;
                 seen[static_cast<std::size_t>(c)].push_back(setup.table.light(setup.codes[shot]->at(x, y, c), c));
             }
         }
@@ -67,9 +82,43 @@ std::array<float, 3> black_light(const MergeSetup& setup, std::size_t shot, std:
     return black;
 }
 
+/// How much a photograph's green light varies within a window around each pixel.
+ImageF local_range(const MergeSetup& setup, std::size_t shot) {
+    const int width = setup.width(), height = setup.height();
+    ImageF rows(width, height, 2), range(width, height, 1);
+    parallel_for(height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+            float least = std::numeric_limits<float>::max(), greatest = 0;
+            for (int dx = -window_radius; dx <= window_radius; ++dx) {
+                const float code = setup.codes[shot]->at(std::clamp(x + dx, 0, width - 1), y, green);
+                const float light = setup.table.light(code, green);
+                least = std::min(least, light);
+                greatest = std::max(greatest, light);
+            }
+            rows.at(x, y, 0) = least;
+            rows.at(x, y, 1) = greatest;
+        }
+    });
+    parallel_for(height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+            float least = std::numeric_limits<float>::max(), greatest = 0;
+            for (int dy = -window_radius; dy <= window_radius; ++dy) {
+                const float* row = rows.pixel(x, std::clamp(y + dy, 0, height - 1));
+                least = std::min(least, row[0]);
+                greatest = std::max(greatest, row[1]);
+            }
+            range.at(x, y) = greatest - least;
+        }
+    });
+    return range;
+}
+
 /// Mean over channels of the squared difference over its variance.
 float squared_deviation(const MergeSetup& setup, std::size_t shot, std::size_t reference,
-                        const std::array<float, 3>& black_of_shot, int x, int y) {
+                        const std::array<float, 3>& black_of_shot, float range, int x, int y) {
+    // A tenth of the light is what curves and exposures are off by; what moved differs by more. At edges compression,
+    // the lens and a fraction of a pixel's motion carry a part of the contrast from one pixel to the next.
+    constexpr float harmless = 0.1f, carried = 0.3f;
     const float* code = setup.codes[shot]->pixel(x, y);
     const float* reference_code = setup.codes[reference]->pixel(x, y);
     const auto ratio = static_cast<float>(setup.exposures[shot] / setup.exposures[reference]);
@@ -81,7 +130,8 @@ float squared_deviation(const MergeSetup& setup, std::size_t shot, std::size_t r
         const float reference_light = setup.table.light(reference_code[c], c);
         const float expected = std::min(ratio * reference_light, setup.weights[shot].full_light(c));
         const float black = black_of_shot[static_cast<std::size_t>(c)];
-        const float variance = setup.weights[shot].variance(expected, c) + black * black +
+        const float tolerated = ratio * (harmless * reference_light + carried * range);
+        const float variance = setup.weights[shot].variance(expected, c) + black * black + tolerated * tolerated +
                                ratio * ratio * (setup.weights[reference].variance(reference_light, c) + black * black);
         sum += (seen - expected) * (seen - expected) / variance;
         ++channels;
@@ -157,6 +207,8 @@ std::size_t best_exposed(const MergeSetup& setup) {
 }
 
 std::vector<Image8> ghost_masks(const MergeSetup& setup, std::size_t reference) {
+    std::vector<ImageF> ranges;
+    for (std::size_t shot = 0; shot < setup.codes.size(); ++shot) ranges.push_back(local_range(setup, shot));
     std::vector<Image8> masks;
     for (std::size_t shot = 0; shot < setup.codes.size(); ++shot) {
         Image8 deviations(setup.width(), setup.height(), 1);
@@ -165,8 +217,9 @@ std::vector<Image8> ghost_masks(const MergeSetup& setup, std::size_t reference) 
             for (int x = 0; x < setup.width(); ++x) {
                 const std::size_t local = local_reference(setup, reference, x, y);
                 if (local == shot) continue;
-                const float squared = std::min(squared_deviation(setup, shot, local, black, x, y), most_deviation);
-                deviations.at(x, y) = static_cast<std::uint8_t>(squared * tenths + 0.5f);
+                const float squared = std::min(
+                    squared_deviation(setup, shot, local, black, ranges[local].at(x, y), x, y), most_deviation);
+                deviations.at(x, y) = static_cast<std::uint8_t>(std::lround(squared * tenths));
             }
         });
         masks.push_back(disagreeing_regions(deviations));

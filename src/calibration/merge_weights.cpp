@@ -40,7 +40,7 @@ MergeWeights::MergeWeights(const NoiseModel& noise, const CodeTable& table, cons
 
 std::size_t MergeWeights::index(float light) const {
     const float root = std::sqrt(std::clamp(light * scale_, 0.0f, 1.0f));
-    return static_cast<std::size_t>(root * steps + 0.5f);
+    return static_cast<std::size_t>(std::lround(root * steps));
 }
 
 }  // namespace matchlight

@@ -171,23 +171,19 @@ void add_sun_cases(std::vector<StabilityCase>& cases) {
     constexpr float light = 3e5f;  // a million times the walls
     std::vector<double> exposures;
     for (int i = 0; i < 8; ++i) exposures.push_back(2 * std::pow(0.125, i));  // the sun is full down to the seventh
-    cases.push_back({"merge",
-                     "a sun a million times the walls",
-                     "worse bias of sun and walls, EV",
-                     {0, 0.02},
-                     {},
-                     [light, exposures] {
-                         const Sun sun(light);
-                         const MergedPhotograph merged = merged_of(sun.radiance, exposures, {});
-                         return StabilityOutcome{std::max(std::abs(bias_ev(merged, sun.radiance, Sun::region)),
-                                                          std::abs(bias_ev(merged, sun.radiance, {50, 50, 40, 40})))};
-                     }});
+    cases.push_back(
+        {"merge", "a sun a million times the walls", "worse bias of sun and walls, EV", {0, 0.02}, {}, [exposures] {
+             const Sun sun(light);
+             const MergedPhotograph merged = merged_of(sun.radiance, exposures, {});
+             return StabilityOutcome{std::max(std::abs(bias_ev(merged, sun.radiance, Sun::region)),
+                                              std::abs(bias_ev(merged, sun.radiance, {50, 50, 40, 40})))};
+         }});
     cases.push_back({"merge",
                      "the same, full in every photograph",
                      "the sun over the shortest exposure's full",
                      {0.95, 1},
                      {},
-                     [light, exposures] {
+                     [exposures] {
                          const Sun sun(light);
                          std::vector<double> longer = exposures;
                          longer.resize(5);

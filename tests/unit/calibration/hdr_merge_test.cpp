@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 
 #include "report/synthetic_bracket.h"
 
@@ -182,6 +183,61 @@ TEST_F(HdrMerge, WhatOnlyGhostsHoldIsWhatTheyShow) {
     // Nothing is brighter than any photograph shows; full code of the shortest would be 4.
     EXPECT_LT(*std::ranges::max_element(merged.radiance.samples()), 1.2f);
     EXPECT_EQ(merged.clipped_pixels, 0);
+}
+
+/// The photograph after JPEG compression.
+void compress(Photograph& shot, int quality) {
+    cv::Mat picture(shot.code.height(), shot.code.width(), CV_8UC3);
+    const auto codes = shot.code.samples();
+    std::transform(codes.begin(), codes.end(), picture.data,
+                   [](float code) { return static_cast<unsigned char>(std::lround(255 * code)); });
+    std::vector<unsigned char> bytes;
+    cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+    picture = cv::imdecode(bytes, cv::IMREAD_COLOR);
+    std::transform(picture.data, picture.data + codes.size(), shot.code.samples().begin(),
+                   [](unsigned char code) { return static_cast<float>(code) / 255; });
+}
+
+TEST_F(HdrMerge, SmallLampsKeepTheirLightThroughJpegAndTheSearchForGhosts) {
+    // Lamps of all sizes from half a pixel to two, as a lens blurs them, a thousand times the wall.
+    ImageF radiance(256, 192, 3, 0.2f);
+    struct Lamp {
+        double x, y, sigma_px;
+    };
+    const std::vector<Lamp> lamps = {{40.3, 40.6, 0.6}, {100.7, 50.2, 0.9}, {170.1, 60.4, 1.3}, {90.5, 130.8, 2.0}};
+    for (const Lamp& lamp : lamps) {
+        for (int y = 0; y < radiance.height(); ++y) {
+            for (int x = 0; x < radiance.width(); ++x) {
+                const double distance = std::hypot(x - lamp.x, y - lamp.y) / lamp.sigma_px;
+                for (int c = 0; c < 3; ++c)
+                    radiance.at(x, y, c) += static_cast<float>(200 * std::exp(-distance * distance / 2));
+            }
+        }
+    }
+    const auto light_of = [&](const Lamp& lamp, const ImageF& picture) {
+        double sum = 0;
+        for (int y = static_cast<int>(lamp.y) - 10; y <= static_cast<int>(lamp.y) + 10; ++y) {
+            for (int x = static_cast<int>(lamp.x) - 10; x <= static_cast<int>(lamp.x) + 10; ++x)
+                sum += picture.at(x, y, 1);
+        }
+        return sum;
+    };
+    for (const int quality : {92, 60}) {
+        ExposureSeries series = photographed(radiance, {4, 1, 0.25, 1.0 / 16, 1.0 / 64, 1.0 / 256}, {});
+        for (Photograph& shot : series.shots) compress(shot, quality);
+        const MergedPhotograph with =
+            merge_exposures(series, Response::srgb(), {.align = Alignment::off, .deghost = true}, warnings_);
+        const MergedPhotograph without =
+            merge_exposures(series, Response::srgb(), {.align = Alignment::off, .deghost = false}, warnings_);
+        for (const Lamp& lamp : lamps) {
+            SCOPED_TRACE(lamp.sigma_px);
+            // Strong compression itself takes a tenth of the smallest; the search for ghosts must take nothing.
+            EXPECT_NEAR(light_of(lamp, with.radiance) / light_of(lamp, without.radiance), 1, 0.01) << quality;
+            if (quality > 90) {
+                EXPECT_NEAR(light_of(lamp, with.radiance) / light_of(lamp, radiance), 1, 0.05);
+            }
+        }
+    }
 }
 
 TEST_F(HdrMerge, WrongExposuresAreMeasuredWarnedOfAndRefined) {

@@ -33,8 +33,9 @@ ImageF scene() {
     // A ramp of light and a second one across it, so that every code lies beside others.
     ImageF radiance = radiance_ramp(360, 240, 11);
     for (int y = 0; y < radiance.height(); ++y) {
+        const int strip = y / 40;
         for (int x = 0; x < radiance.width(); ++x) {
-            for (int c = 0; c < 3; ++c) radiance.at(x, y, c) *= static_cast<float>(std::exp2(-(y / 40) * 0.37));
+            for (int c = 0; c < 3; ++c) radiance.at(x, y, c) *= static_cast<float>(std::exp2(-0.37 * strip));
         }
     }
     return radiance;
