@@ -24,7 +24,8 @@ protected:
         Image8 picture(256, 192, 3);
         for (int y = 0; y < picture.height(); ++y) {
             for (int x = 0; x < picture.width(); ++x) {
-                const double light = exposure * std::exp2(-((x / 8) * 0.25 + (y / 8) * 0.03));
+                const int column = x / 8, row = y / 8;
+                const double light = exposure * std::exp2(-(column * 0.25 + row * 0.03));
                 const double code = std::pow(std::min(light, 1.0), 1 / 1.8);
                 std::fill_n(picture.pixel(x, y), 3, static_cast<std::uint8_t>(std::lround(255 * code)));
             }
