@@ -47,7 +47,7 @@ struct ProbeBuildCall {
     double ball_radius_m = 0;
     std::vector<std::vector<double>> circles;
     std::vector<double> reflectance, place;
-    bool no_plane = false, no_deghost = false;
+    bool no_plane = false, no_sun_from_tags = false, no_deghost = false;
     double camera_deg = 8;
 };
 
@@ -159,6 +159,15 @@ json result_json(const ProbeBuildCall& call, const BallBuild& build, const Probe
         result["ball"]["points"] = build.fit->points;
         result["ball"]["outline_off_px"] = build.fit->outline_off_px;
     }
+    result["clipped_lights"] = json::array();
+    for (const ClippedLight& light : build.clipped_lights) {
+        result["clipped_lights"].push_back({{"direction", rgb_json(light.direction)},
+                                            {"azimuth_deg", azimuth_deg(light.direction)},
+                                            {"elevation_deg", elevation_deg(light.direction)},
+                                            {"solid_angle_sr", light.solid_angle_sr},
+                                            {"gain", rgb_json(light.gain)},
+                                            {"relative_sigma", rgb_json(light.sigma)}});
+    }
     for (const BallView& view : build.views) {
         const Eigen::Vector2d centre = view.camera.pixel_from_camera(view.outline.axis);
         result["views"].push_back({{"first", view.name.string()},
@@ -197,14 +206,24 @@ std::string result_text(const ProbeBuildCall& call, const BallBuild& build, cons
         text += fmt::format(", by {} points of the tags' plane and their mirror images, within {:.2f} EV",
                             build.fit->points, build.fit->residual);
     }
-    return text + fmt::format("\n  reflectance {:.3f} {:.3f} {:.3f}, {}\n", build.reflectance.x(),
-                              build.reflectance.y(), build.reflectance.z(), build.reflectance_by);
+    text += fmt::format("\n  reflectance {:.3f} {:.3f} {:.3f}, {}\n", build.reflectance.x(), build.reflectance.y(),
+                        build.reflectance.z(), build.reflectance_by);
+    for (const ClippedLight& light : build.clipped_lights) {
+        text += fmt::format(
+            "  clipped light at azimuth {:.1f}°, elevation {:.1f}°: by the tags' paper {:.2f} {:.2f} {:.2f} times what "
+            "was "
+            "photographed, within {:.0f} %\n",
+            azimuth_deg(light.direction), elevation_deg(light.direction), light.gain.x(), light.gain.y(),
+            light.gain.z(), 100 * light.sigma.maxCoeff());
+    }
+    return text;
 }
 
 BallBuildOptions build_options(const ProbeBuildCall& call, Warnings& warnings) {
     BallBuildOptions options;
     options.ball_radius_m = call.ball_radius_m;
     options.plane = !call.no_plane;
+    options.sun_from_tags = !call.no_sun_from_tags;
     options.camera_deg = call.camera_deg;
     for (const auto& circle : call.circles) options.circles.push_back({{circle[0], circle[1]}, circle[2]});
     if (!call.reflectance.empty()) {
@@ -326,6 +345,8 @@ void add_probe_build_command(CLI::App& probe, CommandContext& context) {
         ->type_name("METRES");
     command->add_flag("--no-plane", call->no_plane,
                       "Take everything as far away, also what lies on the tags' plane, with the ball's shadow on it");
+    command->add_flag("--no-sun-from-tags", call->no_sun_from_tags,
+                      "Leave lights that every photograph clips as they were photographed, too dark");
     command
         ->add_option("--camera-deg", call->camera_deg,
                      "Leave out this much around a view's own camera where another view shows it (default: 8)")

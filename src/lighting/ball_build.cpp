@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "lighting/ball_register.h"
 #include "lighting/ball_rig.h"
+#include "lighting/clipped_lights.h"
 
 namespace matchlight {
 namespace {
@@ -82,6 +83,9 @@ BallBuild build_ball_probe(std::vector<BallView> views, const BallBuildOptions& 
     unwrap.place_m = options.place_m.value_or(build.ball.centre_m);
     build.place_m = unwrap.place_m;
     build.probe = probe_from_balls(scene, unwrap);
+    if (scene.plane && options.tags && options.sun_from_tags) {
+        build.clipped_lights = solve_clipped_lights(build.probe, scene, options.tags->white_albedo);
+    }
     return build;
 }
 

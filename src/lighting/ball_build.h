@@ -11,6 +11,7 @@
 #include "lighting/ball_fit.h"
 #include "lighting/ball_probe.h"
 #include "lighting/ball_view.h"
+#include "lighting/clipped_lights.h"
 #include "scene/scene_file.h"
 
 namespace matchlight {
@@ -22,6 +23,7 @@ struct BallBuildOptions {
     std::optional<Eigen::Vector3d> reflectance;  // head on; absent: by the plane and its mirror image, else 1
     std::optional<Eigen::Vector3d> place_m;      // that the probe is for; absent: the ball's centre
     bool plane = true;                           // look up what lies on the rig's plane where it is
+    bool sun_from_tags = true;                   // solve the energy of clipped lights by the tags' paper
     int height = 0;                              // rows of the lat-long map; 0: what the ball holds
     double camera_deg = 8;                       // BallProbeOptions
 };
@@ -36,6 +38,7 @@ struct BallBuild {
     std::optional<BallFit> fit;  // by the rig's plane
     std::vector<int> tags;       // that have a place
     bool plane_used = false;
+    std::vector<ClippedLight> clipped_lights;  // whose energy the tags told
 };
 
 /// `views` hold name, radiance, sigma, clipped and camera. With tags the probe turns with the rig. Without, +y is the

@@ -157,14 +157,8 @@ std::optional<Eigen::Vector3d> measured_reflectance(const std::vector<BallView>&
             const int x = i % sheet.printed.cells, y = i / sheet.printed.cells;
             if (sheet.printed.at(x, y) != TagPattern::white) continue;
             const Eigen::Vector3d place_m = sheet.world_from_tag * sheet.sheet_from_grid({x + 0.5, y + 0.5});
-            Eigen::Vector3d direct = Eigen::Vector3d::Zero();
-            int seen = 0;
-            for (const BallView& view : views) {
-                if (!sees_directly(view, ball, place_m)) continue;
-                direct += sample_rgb(view.radiance, view.pixel(place_m));
-                ++seen;
-            }
-            if (seen == 0 || direct.minCoeff() <= 0) continue;
+            const auto direct = direct_radiance(views, ball, place_m);
+            if (!direct || direct->minCoeff() <= 0) continue;
             for (const BallView& view : views) {
                 const Eigen::Vector3d eye = view.eye_m();
                 const auto hit = hit_reflecting_place(ball, eye, place_m);
@@ -179,7 +173,7 @@ std::optional<Eigen::Vector3d> measured_reflectance(const std::vector<BallView>&
                                        way.squaredNorm();
                 if (9 * pixel_sr > cell_sr) continue;
                 const Eigen::Vector3d ratio =
-                    sample_rgb(view.radiance, view.pixel(hit->point_m)).cwiseQuotient(direct / seen);
+                    sample_rgb(view.radiance, view.pixel(hit->point_m)).cwiseQuotient(*direct);
                 const double grazing = fresnel_reflectance(0, hit->cosine);
                 for (int c = 0; c < 3; ++c)
                     shares[static_cast<std::size_t>(c)].push_back((ratio[c] - grazing) / (1 - grazing));
@@ -223,6 +217,19 @@ std::optional<RigPlane> plane_of_rig(const BallRig& rig) {
         if (sheet.world_from_tag.linear().col(2).dot(plane.normal) < cosine_of_3_deg) return std::nullopt;
     }
     return plane;
+}
+
+std::optional<Eigen::Vector3d> direct_radiance(const std::vector<BallView>& views, const MirrorBall& ball,
+                                               const Eigen::Vector3d& place_m) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int seen = 0;
+    for (const BallView& view : views) {
+        if (!sees_directly(view, ball, place_m)) continue;
+        sum += sample_rgb(view.radiance, view.pixel(place_m));
+        ++seen;
+    }
+    if (seen == 0) return std::nullopt;
+    return sum / seen;
 }
 
 MirrorBall ball_from_outlines(const std::vector<BallView>& views, double radius_m) {

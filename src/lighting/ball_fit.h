@@ -42,6 +42,10 @@ struct BallFit {
 std::optional<BallFit> fit_ball_to_rig(const std::vector<BallView>& views, const BallRig& rig, const RigPlane& plane,
                                        const MirrorBall& start);
 
+/// A place on the plane as the views see it directly, RGB: the mean of those that do. nullopt where none does.
+std::optional<Eigen::Vector3d> direct_radiance(const std::vector<BallView>& views, const MirrorBall& ball,
+                                               const Eigen::Vector3d& place_m);
+
 /// The place that the outlines say together: each is sure across its line of sight and less so along it.
 MirrorBall ball_from_outlines(const std::vector<BallView>& views, double radius_m);
 

@@ -22,6 +22,9 @@ public:
     /// Irradiance without the ball over irradiance with it at a place on the plane, RGB; above 1 in the shadow.
     Eigen::Vector3d unshadowed_over_seen(const Eigen::Vector3d& place_m) const;
 
+    /// Of the plane, RGB.
+    const Eigen::Vector3d& irradiance_without_ball() const { return whole_; }
+
 private:
     struct Direction {
         Eigen::Vector3d towards;

@@ -1,4 +1,5 @@
 // matchlight probe build, as a user runs it: on the table's photographs, and on what cannot become a probe.
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -124,6 +125,25 @@ TEST_F(TableBall, BecomesTheLightThatWasThere) {
     EXPECT_LT(score["irradiance_rmse"].get<double>(), 0.06);
     EXPECT_LT(score["brightest_angle_deg"].get<double>(), 0.3);
     EXPECT_LT(score["median_abs_ev"].get<double>(), 0.07);
+}
+
+TEST_F(TableBall, LampsThatEveryPhotographClipsGetTheirEnergyFromTheTags) {
+    const std::string out = (scratch_ / "clipped.exr").string();
+    std::vector<std::string> call = {"probe", "build", "--json", "-o", out, "--size", "256"};
+    const auto rest = arguments(6, 2);  // without the two darkest of nine
+    call.insert(call.end(), rest.begin(), rest.end());
+    const RunResult result = run_matchlight(call);
+    ASSERT_TRUE(succeeded(result));
+    const json built = json::parse(result.standard_output);
+    ASSERT_EQ(built["clipped_lights"].size(), 2u);
+    EXPECT_GT(built["clipped_lights"][0]["gain"][1].get<double>(), 2.5);
+    EXPECT_GT(built["clipped_share"].get<double>(), 0);
+    const RunResult compared =
+        run_matchlight({"probe", "compare", "--json", (data_ / "table" / "probe.exr").string(), out});
+    ASSERT_TRUE(succeeded(compared));
+    const json score = json::parse(compared.standard_output);
+    // 15 % are 0.2 EV.
+    for (int lamp = 0; lamp < 2; ++lamp) EXPECT_LT(std::abs(score["lights"][lamp]["power_ev"].get<double>()), 0.2);
 }
 
 }  // namespace
