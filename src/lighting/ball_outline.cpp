@@ -348,26 +348,36 @@ std::vector<OutlineCircle> proposed_circles(const cv::Mat& light) {
     // Ball photographs are made to show the ball: 640 pixels are enough to propose it.
     const double scale = std::min(1.0, 640.0 / std::max(light.cols, light.rows));
     cv::resize(grey, small, {}, scale, scale, cv::INTER_AREA);
-    double least = 0, most = 0;
-    cv::minMaxLoc(small, &least, &most);
-    // Ten stops about the middle hold every outline; a lamp beyond must not squeeze them.
-    const double middle = cv::mean(small)[0];
-    least = std::max(least, middle - 5), most = std::min(most, middle + 5);
-    cv::Mat eight;
-    const double gain = 255 / std::max(most - least, 1e-6);
-    small.convertTo(eight, CV_8U, gain, -least * gain);
-    cv::GaussianBlur(eight, eight, {}, 1);
     const double side = std::min(small.cols, small.rows);
     std::vector<OutlineCircle> result;
-    // A range of radii at a time: the transform keeps one circle a centre, and the ball's own reflections have others.
-    for (double radius = std::min(8.0, side / 4); radius < 0.55 * side; radius *= 1.6) {
-        std::vector<cv::Vec3f> circles;
-        cv::HoughCircles(eight, circles, cv::HOUGH_GRADIENT, 1.5, std::max(4.0, radius / 2), 60, 12,
-                         static_cast<int>(radius), static_cast<int>(std::ceil(radius * 1.7)));
-        for (std::size_t i = 0; i < std::min<std::size_t>(circles.size(), 16); ++i) {
-            // A pixel of the small picture stands for 1/scale of the large one's; centres at whole numbers.
-            result.push_back(
-                {{(circles[i][0] + 0.5) / scale - 0.5, (circles[i][1] + 0.5) / scale - 0.5}, circles[i][2] / scale});
+    // As it is, and with the shadows, where noise makes edges too, held back.
+    for (const bool shadows : {true, false}) {
+        cv::Mat eight;
+        if (!shadows) {
+            const double middle = std::exp2(cv::mean(small)[0]);
+            small.forEach<float>([middle](float& value, const int*) {
+                value = static_cast<float>(std::log2(std::exp2(static_cast<double>(value)) + 2 * middle));
+            });
+        }
+        double least = 0, most = 0;
+        cv::minMaxLoc(small, &least, &most);
+        // Ten stops about the middle hold every outline; a lamp beyond must not squeeze them.
+        const double middle = cv::mean(small)[0];
+        least = std::max(least, middle - 5), most = std::min(most, middle + 5);
+        const double gain = 255 / std::max(most - least, 1e-6);
+        small.convertTo(eight, CV_8U, gain, -least * gain);
+        cv::GaussianBlur(eight, eight, {}, 1);
+        // A range of radii at a time: the transform keeps one circle a centre, and the ball's own reflections have
+        // others.
+        for (double radius = std::min(8.0, side / 4); radius < 0.55 * side; radius *= 1.6) {
+            std::vector<cv::Vec3f> circles;
+            cv::HoughCircles(eight, circles, cv::HOUGH_GRADIENT, 1.5, std::max(4.0, radius / 2), 60, 12,
+                             static_cast<int>(radius), static_cast<int>(std::ceil(radius * 1.7)));
+            for (std::size_t i = 0; i < std::min<std::size_t>(circles.size(), 16); ++i) {
+                // A pixel of the small picture stands for 1/scale of the large one's; centres at whole numbers.
+                result.push_back({{(circles[i][0] + 0.5) / scale - 0.5, (circles[i][1] + 0.5) / scale - 0.5},
+                                  circles[i][2] / scale});
+            }
         }
     }
     return result;
