@@ -201,12 +201,13 @@ std::string result_text(const ProbeBuildCall& call, const BallBuild& build, cons
         if (!build.tags.empty()) text += fmt::format("; camera at ({}) m", place_text(view.eye_m()));
         text += '\n';
     }
-    text += fmt::format("  ball at ({}) m", place_text(build.ball.centre_m));
+    if (!build.tags.empty()) text += fmt::format("  ball at ({}) m", place_text(build.ball.centre_m));
     if (build.fit) {
         text += fmt::format(", by {} points of the tags' plane and their mirror images, within {:.2f} EV",
                             build.fit->points, build.fit->residual);
     }
-    text += fmt::format("\n  reflectance {:.3f} {:.3f} {:.3f}, {}\n", build.reflectance.x(), build.reflectance.y(),
+    if (!build.tags.empty()) text += '\n';
+    text += fmt::format("  reflectance {:.3f} {:.3f} {:.3f}, {}\n", build.reflectance.x(), build.reflectance.y(),
                         build.reflectance.z(), build.reflectance_by);
     for (const ClippedLight& light : build.clipped_lights) {
         text += fmt::format(

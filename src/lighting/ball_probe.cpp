@@ -209,21 +209,74 @@ void fill_unseen(ImageF& radiance, const ImageF& known) {
     }
 }
 
+/// Radians of the surroundings across a pixel in the middle of the ball, where it shows most.
+double finest_pixel(const BallView& view, const MirrorBall& ball) {
+    const double distance_m = (view.eye_m() - ball.centre_m).norm() - ball.radius_m;
+    const double ratio = reflected_solid_angle_ratio(ball, distance_m, 1);
+    return std::sqrt(ratio / (view.camera.fx * view.camera.fy));
+}
+
+/// The view at half its size, every pixel the mean of four; an odd last row or column is left out.
+BallView halved(const BallView& view) {
+    const int width = view.radiance.width() / 2, height = view.radiance.height() / 2;
+    const auto half = [&](const ImageF& image) {
+        ImageF small(width, height, image.channels());
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                for (int c = 0; c < image.channels(); ++c) {
+                    small.at(x, y, c) = (image.at(2 * x, 2 * y, c) + image.at(2 * x + 1, 2 * y, c) +
+                                         image.at(2 * x, 2 * y + 1, c) + image.at(2 * x + 1, 2 * y + 1, c)) /
+                                        4;
+                }
+            }
+        }
+        return small;
+    };
+    BallView result;
+    result.name = view.name;
+    result.outline = view.outline;
+    result.camera_from_world = view.camera_from_world;
+    result.radiance = half(view.radiance);
+    if (!view.sigma.empty()) result.sigma = half(view.sigma);
+    if (!view.clipped.empty()) {
+        result.clipped = Image8(width, height, 1);
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                result.clipped.at(x, y) =
+                    std::max({view.clipped.at(2 * x, 2 * y), view.clipped.at(2 * x + 1, 2 * y),
+                              view.clipped.at(2 * x, 2 * y + 1), view.clipped.at(2 * x + 1, 2 * y + 1)});
+            }
+        }
+    }
+    result.camera = view.camera;
+    result.camera.width = width;
+    result.camera.height = height;
+    // Centres at whole numbers: pixel 0 of the half is the middle of pixels 0 and 1.
+    result.camera.fx /= 2, result.camera.fy /= 2;
+    result.camera.cx = (view.camera.cx - 0.5) / 2;
+    result.camera.cy = (view.camera.cy - 0.5) / 2;
+    return result;
+}
+
 }  // namespace
 
 int natural_height(const std::vector<BallView>& views, const MirrorBall& ball) {
+    // Finer than any light or reflection in a frame of video needs.
+    constexpr unsigned most = 1024;
     double finest = pi;
-    for (const BallView& view : views) {
-        const double distance_m = (view.eye_m() - ball.centre_m).norm() - ball.radius_m;
-        const double ratio = reflected_solid_angle_ratio(ball, distance_m, 1);
-        finest = std::min(finest, std::sqrt(ratio / (view.camera.fx * view.camera.fy)));
-    }
+    for (const BallView& view : views) finest = std::min(finest, finest_pixel(view, ball));
     const auto rows = static_cast<unsigned>(std::ceil(pi / finest));
-    return static_cast<int>(std::clamp(std::bit_ceil(rows), 32U, 4096U));
+    return static_cast<int>(std::clamp(std::bit_ceil(rows), 32U, most));
 }
 
-BallProbe probe_from_balls(const BallScene& scene, const BallProbeOptions& options) {
-    const int height = options.height > 0 ? options.height : natural_height(scene.views, scene.ball);
+BallProbe probe_from_balls(const BallScene& whole_scene, const BallProbeOptions& options) {
+    const int height = options.height > 0 ? options.height : natural_height(whole_scene.views, whole_scene.ball);
+    // Four samples a pixel find every lamp only where the photographs' pixels are not much finer than the map's.
+    std::vector<BallView> views = whole_scene.views;
+    for (BallView& view : views) {
+        while (finest_pixel(view, whole_scene.ball) < pi / height / 2 && view.camera.width >= 64) view = halved(view);
+    }
+    const BallScene scene{views, whole_scene.ball, whole_scene.reflectance, whole_scene.plane, whole_scene.rig};
     const int width = 2 * height;
     const Unwrapper unwrapper(scene, options);
     const LatlongGrid grid(width, height);

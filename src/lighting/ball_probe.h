@@ -48,7 +48,7 @@ struct BallScene {
 /// from around them and said to be unseen.
 BallProbe probe_from_balls(const BallScene& scene, const BallProbeOptions& options);
 
-/// Rows of a lat-long map whose pixels are as fine as the finest that the views show.
+/// Rows of a lat-long map whose pixels are as fine as the finest that the views show, at most 1024.
 int natural_height(const std::vector<BallView>& views, const MirrorBall& ball);
 
 }  // namespace matchlight

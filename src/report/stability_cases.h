@@ -57,6 +57,8 @@ std::vector<StabilityCase> depth_of_field_cases();
 std::vector<StabilityCase> tag_pose_cases(bool quick);
 /// Bracketed photographs, their merge and the response they tell: on the CPU.
 std::vector<StabilityCase> exposure_cases();
+/// Probes from photographs of a mirror ball: on the CPU.
+std::vector<StabilityCase> ball_cases(bool quick);
 /// All of them; `quick` leaves out most of the slow ones.
 std::vector<StabilityCase> stability_cases(bool quick = false);
 

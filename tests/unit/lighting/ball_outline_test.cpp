@@ -6,29 +6,27 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "synthetic_ball.h"
+#include "report/synthetic_ball.h"
 
 namespace matchlight {
 namespace {
-
-using test::BallShot;
 
 BallShot shot_of(int width, double radius_px, const Eigen::Vector2d& off_px) {
     BallShot shot;
     shot.reflectance = 0.7;
     shot.backdrop = Eigen::Vector3d(0.35, 0.33, 0.3);
-    shot.camera = test::long_lens(width, width * 3 / 4, 2.4 * width);
+    shot.camera = long_lens(width, width * 3 / 4, 2.4 * width);
     const double distance_m = 0.7;
     shot.ball.radius_m = radius_px / shot.camera.fx * distance_m;
     const Eigen::Vector3d eye(0.2, -0.6, 0.3);
-    shot.camera_from_world = test::looking_at(eye, eye + Eigen::Vector3d(0, 1, 0));
+    shot.camera_from_world = looking_at(eye, eye + Eigen::Vector3d(0, 1, 0));
     const Eigen::Vector3d in_camera(distance_m * off_px.x() / shot.camera.fx, distance_m * off_px.y() / shot.camera.fx,
                                     distance_m);
     shot.ball.centre_m = shot.camera_from_world.inverse() * in_camera;
     return shot;
 }
 
-const test::Sky room = test::room_with_lamp(Eigen::Vector3d(0.3, 0.2, 0.9).normalized(), 500);
+const Sky room = room_with_lamp(Eigen::Vector3d(0.3, 0.2, 0.9).normalized(), 500);
 
 void expect_found(const BallShot& shot, const BallView& view, const std::optional<OutlineCircle>& given,
                   double tolerance_px) {
@@ -64,7 +62,7 @@ TEST(BallOutline, APictureWithoutABallIsRefused) {
     std::uniform_real_distribution<float> light(0.2F, 1);
     for (float& sample : noise.samples()) sample = light(random);
     try {
-        find_ball(noise, test::long_lens(320, 240, 700), {}, "empty.jpg");
+        find_ball(noise, long_lens(320, 240, 700), {}, "empty.jpg");
         FAIL() << "a ball in noise";
     } catch (const InputError& error) {
         EXPECT_EQ(error.parts().file, "empty.jpg");

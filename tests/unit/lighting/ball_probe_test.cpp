@@ -11,24 +11,23 @@
 #include "lighting/ball_register.h"
 #include "lighting/ball_shadow.h"
 #include "lighting/latlong_grid.h"
-#include "synthetic_ball.h"
+#include "report/synthetic_ball.h"
+#include "synthetic_probes.h"
 
 namespace matchlight {
 namespace {
 
-using test::BallShot;
-
 const Eigen::Vector3d lamp = Eigen::Vector3d(0.3, 0.5, 0.8).normalized();
 constexpr double lamp_radiance = 2000;
-const test::Sky room = test::room_with_lamp(lamp, lamp_radiance);
+const Sky room = room_with_lamp(lamp, lamp_radiance);
 const MirrorBall ball{{0.02, -0.01, 0.05}, 0.035};
 
 BallShot shot_from(const Eigen::Vector3d& eye_m, int width = 320) {
     BallShot shot;
     // A ball of 95 pixels' radius fills the frame.
-    shot.camera = test::long_lens(width, width * 3 / 4, 6 * width);
+    shot.camera = long_lens(width, width * 3 / 4, 6 * width);
     shot.ball = ball;
-    shot.camera_from_world = test::looking_at(eye_m, ball.centre_m + Eigen::Vector3d(0.004, 0.003, -0.002));
+    shot.camera_from_world = looking_at(eye_m, ball.centre_m + Eigen::Vector3d(0.004, 0.003, -0.002));
     return shot;
 }
 
@@ -90,7 +89,7 @@ TEST(BallProbe, TwoViewsGiveTheRoomBack) {
 TEST(BallProbe, ReflectanceIsTakenOutAtEveryAngle) {
     BallShot shot = shot_from({0.5, -0.45, 0.35});
     shot.reflectance = 0.55;
-    const test::Sky furnace = [](const Eigen::Vector3d&) { return Eigen::Vector3d::Ones().eval(); };
+    const Sky furnace = [](const Eigen::Vector3d&) { return Eigen::Vector3d::Ones().eval(); };
     BallView view = photographed(shot, furnace);
     view.camera_from_world = shot.camera_from_world;
     const std::vector<BallView> views = {view};

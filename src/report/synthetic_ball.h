@@ -1,17 +1,22 @@
-// Photographs of a mirror ball in a known sky, by casting rays.
+// Photographs of a mirror ball in a known sky, by casting rays: what building a probe is held against.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numbers>
 #include <optional>
 
 #include <Eigen/Geometry>
 
+#include "core/parallel.h"
+#include "core/transforms.h"
 #include "lighting/ball_view.h"
 #include "lighting/mirror_ball.h"
-#include "synthetic_probes.h"
 
-namespace matchlight::test {
+namespace matchlight {
+
+/// Radiance that arrives from a direction, infinitely far away.
+using Sky = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
 
 struct BallShot {
     Camera camera;
@@ -39,8 +44,8 @@ inline RigidTransform looking_at(const Eigen::Vector3d& eye_m, const Eigen::Vect
     return camera_looking_along(eye_m, (target_m - eye_m).normalized());
 }
 
-/// Every pixel is the mean of 4 × 4 rays; the sky is infinitely far away.
-inline BallView photographed(const BallShot& shot, const Sky& sky) {
+/// Every pixel is the mean of `side` × `side` rays.
+inline BallView photographed(const BallShot& shot, const Sky& sky, int side = 4) {
     BallView view;
     view.name = "synthetic";
     view.camera = shot.camera;
@@ -50,8 +55,7 @@ inline BallView photographed(const BallShot& shot, const Sky& sky) {
     posed.camera_from_world = shot.camera_from_world;
     const Eigen::Vector3d eye = posed.eye_m();
     const Eigen::Vector3d towards_eye = (eye - shot.ball.centre_m).normalized();
-    constexpr int side = 4;
-    for (int y = 0; y < shot.camera.height; ++y) {
+    parallel_for(shot.camera.height, [&](int y) {
         for (int x = 0; x < shot.camera.width; ++x) {
             Eigen::Vector3d sum = Eigen::Vector3d::Zero();
             for (int k = 0; k < side * side; ++k) {
@@ -66,19 +70,21 @@ inline BallView photographed(const BallShot& shot, const Sky& sky) {
             }
             for (int c = 0; c < 3; ++c) view.radiance.at(x, y, c) = static_cast<float>(sum[c] / (side * side));
         }
-    }
+    });
     return view;
 }
 
-/// A room: bright above, dark below, windows, and a lamp at `lamp` of 3° radius.
+/// A room: bright above, dark below, a window, a red wall, and a lamp at `lamp` of 3° radius.
 inline Sky room_with_lamp(const Eigen::Vector3d& lamp, double lamp_radiance) {
     return [=](const Eigen::Vector3d& d) -> Eigen::Vector3d {
-        if (d.dot(lamp) > std::cos(3 * 3.14159265358979 / 180)) return Eigen::Vector3d::Constant(lamp_radiance);
+        if (d.dot(lamp) > std::cos(3 * std::numbers::pi / 180)) return Eigen::Vector3d::Constant(lamp_radiance);
         const double azimuth = std::atan2(d.y(), d.x());
         if (d.z() > 0 && d.z() < 0.5 && azimuth > 0.3 && azimuth < 1.2) return {3, 4, 6};
         if (d.z() > -0.1 && d.z() < 0.3 && azimuth < -1.5 && azimuth > -2.3) return {2, 0.4, 0.3};
-        return smooth_sky(d) * (d.z() > 0 ? 0.6 : 0.2);
+        const Eigen::Vector3d walls(1 + 0.5 * d.x() + 0.3 * d.y() * d.z(), 0.8 + 0.4 * d.z() + 0.2 * d.x() * d.y(),
+                                    0.6 - 0.3 * d.y() + 0.3 * d.z() * d.z());
+        return walls * (d.z() > 0 ? 0.6 : 0.2);
     };
 }
 
-}  // namespace matchlight::test
+}  // namespace matchlight
