@@ -88,8 +88,10 @@ std::vector<OutlineCircle> proposed_circles(const cv::Mat& light) {
         // others.
         for (double radius = std::min(8.0, side / 4); radius < 0.55 * side; radius *= 1.6) {
             std::vector<cv::Vec3f> circles;
-            cv::HoughCircles(eight, circles, cv::HOUGH_GRADIENT, 1.5, std::max(4.0, radius / 2), 60, 12,
-                             static_cast<int>(radius), static_cast<int>(std::ceil(radius * 1.7)));
+            constexpr double strong_edge = 60, least_votes = 12;
+            const int least_px = static_cast<int>(radius), most_px = static_cast<int>(std::ceil(radius * 1.7));
+            cv::HoughCircles(eight, circles, cv::HOUGH_GRADIENT, 1.5, std::max(4.0, radius / 2), strong_edge,
+                             least_votes, least_px, most_px);
             for (std::size_t i = 0; i < std::min<std::size_t>(circles.size(), 16); ++i) {
                 // A pixel of the small picture stands for 1/scale of the large one's; centres at whole numbers.
                 result.push_back({{(circles[i][0] + 0.5) / scale - 0.5, (circles[i][1] + 0.5) / scale - 0.5},

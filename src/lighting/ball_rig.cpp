@@ -151,7 +151,8 @@ public:
                 if (normalized.norm() > 3) continue;  // far outside any frame, where lens models fold
                 const Eigen::Vector2d px = view_.camera.pixel_from_normalized(normalized);
                 if (!view_.in_frame(px)) continue;
-                const double value = light_.at<float>(static_cast<int>(px.y() + 0.5), static_cast<int>(px.x() + 0.5));
+                const double value =
+                    light_.at<float>(static_cast<int>(std::lround(px.y())), static_cast<int>(std::lround(px.x())));
                 n += 1, a += point.print, b += value;
                 aa += point.print * point.print, ab += point.print * value, bb += value * value;
             }
@@ -175,7 +176,8 @@ public:
             for (int j = 0; j < elevations; ++j) {
                 std::pair<double, TurnAroundBall> best{-1, {}};
                 for (int k = 0; k < rolls; ++k) {
-                    const TurnAroundBall turn{2 * i * radians, (5 + 2 * j) * radians, (k - rolls / 2) * 4 * radians, 1};
+                    const int upright = k - rolls / 2;
+                    const TurnAroundBall turn{2 * i * radians, (5 + 2 * j) * radians, 4 * upright * radians, 1};
                     const double value = gain(turn);
                     if (value > best.first) best = {value, turn};
                 }

@@ -208,7 +208,8 @@ std::pair<int, double> OutlineFit::vote(const std::vector<Eigen::Vector2d>& norm
         ++count[at];
     }
     const auto best = std::ranges::max_element(count) - count.begin();
-    return {count[static_cast<std::size_t>(best)], (static_cast<double>(best - bins / 2) + 0.5) * bin_px};
+    const auto from_middle = best - bins / 2;
+    return {count[static_cast<std::size_t>(best)], (static_cast<double>(from_middle) + 0.5) * bin_px};
 }
 
 bool OutlineFit::step() {

@@ -59,7 +59,8 @@ inline BallView photographed(const BallShot& shot, const Sky& sky, int side = 4)
         for (int x = 0; x < shot.camera.width; ++x) {
             Eigen::Vector3d sum = Eigen::Vector3d::Zero();
             for (int k = 0; k < side * side; ++k) {
-                const double dx = (k % side + 0.5) / side - 0.5, dy = (k / side + 0.5) / side - 0.5;
+                const int column = k % side, row = k / side;
+                const double dx = (column + 0.5) / side - 0.5, dy = (row + 0.5) / side - 0.5;
                 const Eigen::Vector3d ray = posed.ray({x + dx, y + dy});
                 const auto hit = hit_ball(shot.ball, eye, ray);
                 if (!hit) {
