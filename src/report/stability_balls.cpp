@@ -88,7 +88,7 @@ std::vector<StabilityCase> ball_cases(bool quick) {
          "its energy over the truth",
          {0.98, 1.02},
          {},
-         [] { return lamp_energy(150, 3, 1e6, 0); }},
+         [] { return lamp_energy(150, 3, 1e6, 128); }},
     };
     if (quick) return cases;
     cases.push_back({"mirror ball", "of 3000 pixels", "outline off by, px", {0, 0.6}, {}, [] {

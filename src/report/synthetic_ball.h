@@ -58,9 +58,12 @@ inline BallView photographed(const BallShot& shot, const Sky& sky, int side = 4)
     parallel_for(shot.camera.height, [&](int y) {
         for (int x = 0; x < shot.camera.width; ++x) {
             Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-            for (int k = 0; k < side * side; ++k) {
-                const int column = k % side, row = k / side;
-                const double dx = (column + 0.5) / side - 0.5, dy = (row + 0.5) / side - 0.5;
+            // The backdrop needs no more than one ray a pixel.
+            const bool plain = shot.backdrop && miss_ratio(shot.ball, eye, posed.ray(Eigen::Vector2d(x, y))) > 1.3;
+            const int across = plain ? 1 : side;
+            for (int k = 0; k < across * across; ++k) {
+                const int column = k % across, row = k / across;
+                const double dx = (column + 0.5) / across - 0.5, dy = (row + 0.5) / across - 0.5;
                 const Eigen::Vector3d ray = posed.ray({x + dx, y + dy});
                 const auto hit = hit_ball(shot.ball, eye, ray);
                 if (!hit) {
@@ -69,7 +72,7 @@ inline BallView photographed(const BallShot& shot, const Sky& sky, int side = 4)
                     sum += fresnel_reflectance(shot.reflectance, hit->cosine) * sky(hit->reflected);
                 }
             }
-            for (int c = 0; c < 3; ++c) view.radiance.at(x, y, c) = static_cast<float>(sum[c] / (side * side));
+            for (int c = 0; c < 3; ++c) view.radiance.at(x, y, c) = static_cast<float>(sum[c] / (across * across));
         }
     });
     return view;
