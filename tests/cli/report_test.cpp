@@ -136,7 +136,10 @@ TEST_F(ReportTest, LeavesNothingBehindWhenItFails) {
 
 TEST_F(ReportTest, StabilityNeedsNoScene) {
     const fs::path folder = scratch_ / "report";
-    const RunResult result = run_matchlight({"report", "--stability", "--quick", "-o", folder, "--json"});
+    // Some four hundred cases, each short; beside other tests they take a minute or two.
+    RunOptions options;
+    options.timeout = std::chrono::seconds(280);
+    const RunResult result = run_matchlight({"report", "--stability", "--quick", "-o", folder, "--json"}, options);
     ASSERT_TRUE(succeeded(result));
     const json written = json::parse(bytes_of(folder / "report.json"));
     EXPECT_EQ(written, json::parse(result.standard_output));

@@ -81,6 +81,7 @@ TEST(ReadyBoards, AllAreRead) {
     int boards = 0;
     for (const auto& entry :
          std::filesystem::directory_iterator(std::filesystem::path(MATCHLIGHT_SOURCE_DIR) / "calib" / "boards")) {
+        if (entry.path().extension() == ".pdf") continue;  // to print
         EXPECT_FALSE(board_corners_m(read_board(entry.path().string())).empty()) << entry.path();
         ++boards;
     }
