@@ -77,12 +77,12 @@ std::vector<fs::path> photographs_of(const std::vector<std::string>& given) {
 }
 
 /// A view that is merged already: radiance, with `sigma.R` … and `clipped` where the file has them, as `merge` writes.
-BallView radiance_view(const fs::path& file, const ProbeBuildCall& call, Warnings& warnings) {
+BallView radiance_view(const fs::path& file, const Camera& camera, Warnings& warnings) {
     BallView view;
     view.name = file;
     view.radiance = read_linear_rgb(file, warnings);
     const int width = view.radiance.width(), height = view.radiance.height();
-    view.camera = camera_for_size(load_camera(call.camera), width, height, file);
+    view.camera = camera_for_size(camera, width, height, file);
     if (lower_extension(file) != ".exr") return view;
     const ExrFile exr(file);
     if (exr.has_channel(0, "sigma.R")) view.sigma = exr.read(0, {"sigma.R", "sigma.G", "sigma.B"});
@@ -95,17 +95,22 @@ BallView radiance_view(const fs::path& file, const ProbeBuildCall& call, Warning
     return view;
 }
 
+/// What every view is read with.
+struct ViewReading {
+    Camera camera;
+    Response response;
+    MergeOptions merge;
+};
+
 /// One view merged, in units of `scale` times radiance.
-BallView merged_view(const std::vector<fs::path>& photographs, const ProbeBuildCall& call, const Response& response,
-                     std::optional<double>& scale, Warnings& warnings) {
+BallView merged_view(const std::vector<fs::path>& photographs, const ViewReading& reading, std::optional<double>& scale,
+                     Warnings& warnings) {
     const ExposureSeries series = read_exposure_series(photographs, {}, warnings);
-    MergeOptions options;
-    options.deghost = !call.no_deghost;
-    MergedPhotograph merged = merge_exposures(series, response, options, warnings);
-    if (!scale) scale = merged.exposures[merged.reference];
     BallView view;
     view.name = photographs.front();
-    view.camera = camera_for_size(load_camera(call.camera), series.width(), series.height(), photographs.front());
+    view.camera = camera_for_size(reading.camera, series.width(), series.height(), photographs.front());
+    MergedPhotograph merged = merge_exposures(series, reading.response, reading.merge, warnings);
+    if (!scale) scale = merged.exposures[merged.reference];
     for (float& sample : merged.radiance.samples()) sample *= static_cast<float>(*scale);
     for (float& sample : merged.sigma.samples()) sample *= static_cast<float>(*scale);
     view.clipped = Image8(series.width(), series.height(), 1);
@@ -251,7 +256,8 @@ void run_build(const ProbeBuildCall& call, CommandContext& context) {
     if (!(call.ball_radius_m > 0 && std::isfinite(call.ball_radius_m)))
         throw InputError({}, fmt::format("a ball's radius of {} m", call.ball_radius_m), "give it in metres: 0.035");
     const OutputLock lock(call.output.path);
-    const Response response = response_of(call.response);
+    ViewReading reading{load_camera(call.camera), response_of(call.response), {}};
+    reading.merge.deghost = !call.no_deghost;
     BallBuildOptions options = build_options(call, context.warnings);
 
     std::optional<double> scale;
@@ -263,8 +269,8 @@ void run_build(const ProbeBuildCall& call, CommandContext& context) {
         for (const fs::path& file : files) sources.push_back(file.filename().string());
         const bool merged =
             files.size() == 1 && (lower_extension(files.front()) == ".exr" || lower_extension(files.front()) == ".hdr");
-        views.push_back(merged ? radiance_view(files.front(), call, context.warnings)
-                               : merged_view(files, call, response, scale, context.warnings));
+        views.push_back(merged ? radiance_view(files.front(), reading.camera, context.warnings)
+                               : merged_view(files, reading, scale, context.warnings));
     }
     const BallBuild build = build_ball_probe(std::move(views), options, context.warnings);
     const double off_m = (build.place_m - build.ball.centre_m).norm();

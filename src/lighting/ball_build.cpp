@@ -83,7 +83,7 @@ BallBuild build_ball_probe(std::vector<BallView> views, const BallBuildOptions& 
     unwrap.place_m = options.place_m.value_or(build.ball.centre_m);
     build.place_m = unwrap.place_m;
     build.probe = probe_from_balls(scene, unwrap);
-    if (scene.plane && options.tags && options.sun_from_tags) {
+    if (scene.plane && options.sun_from_tags) {
         build.clipped_lights = solve_clipped_lights(build.probe, scene, options.tags->white_albedo);
     }
     return build;

@@ -34,23 +34,10 @@ std::vector<ImageF> blurred(const std::vector<BallView>& views, double sigma_px)
     return result;
 }
 
-bool sees_directly(const BallView& view, const MirrorBall& ball, const Eigen::Vector3d& place_m) {
-    if (!view.in_front(place_m)) return false;
-    const Eigen::Vector3d eye = view.eye_m();
-    const Eigen::Vector3d way = place_m - eye;
-    if (miss_ratio(ball, eye, way.normalized()) < clear_of_ball) return false;
-    const Eigen::Vector2d normalized = (*view.camera_from_world * place_m).hnormalized();
-    return normalized.norm() < 3 && view.in_frame(view.camera.pixel_from_normalized(normalized));
-}
-
-/// A point of the plane with its light, in logarithms to base 2.
+/// A point of the plane with its green light, in logarithms to base 2.
 struct PlanePoint {
     Eigen::Vector3d place_m;
-    Eigen::Vector3d log_direct;
-};
-
-struct SeenBothWays {
-    Eigen::Vector3d log_ratio;  // reflected over direct, before the reflectance
+    double log_direct = 0;
 };
 
 class BallFitter {
@@ -74,18 +61,20 @@ public:
                 Eigen::Vector3d sum = Eigen::Vector3d::Zero();
                 int seen = 0;
                 for (std::size_t v = 0; v < views.size(); ++v) {
-                    if (!sees_directly(views[v], wide, place)) continue;
-                    sum += sample_rgb(sharp_[v], views[v].pixel(place));
+                    const auto pixel = direct_pixel(views[v], wide, place, clear_of_ball);
+                    if (!pixel) continue;
+                    sum += sample_rgb(sharp_[v], *pixel);
                     ++seen;
                 }
                 if (seen == 0 || sum.minCoeff() <= 0) continue;
-                points_.push_back({place, (sum / seen).array().log2()});
+                points_.push_back({place, std::log2(sum.y() / seen)});
             }
         }
     }
 
-    std::vector<SeenBothWays> seen(const MirrorBall& ball) const {
-        std::vector<std::vector<SeenBothWays>> found(views_.size());
+    /// Of every point that a view shows in the ball too: log2 of the reflected light over the direct, green.
+    std::vector<double> log_ratios(const MirrorBall& ball) const {
+        std::vector<std::vector<double>> found(views_.size());
         parallel_for(static_cast<int>(views_.size()), [&](int v) {
             const BallView& view = views_[static_cast<std::size_t>(v)];
             const Eigen::Vector3d eye = view.eye_m();
@@ -94,22 +83,18 @@ public:
                 if (!hit || hit->cosine < least_cosine) continue;
                 const Eigen::Vector3d light = sample_rgb(sharp_[static_cast<std::size_t>(v)], view.pixel(hit->point_m));
                 if (light.minCoeff() <= 0) continue;
-                found[static_cast<std::size_t>(v)].push_back(
-                    {Eigen::Vector3d(light.array().log2()) - point.log_direct});
+                found[static_cast<std::size_t>(v)].push_back(std::log2(light.y()) - point.log_direct);
             }
         });
-        std::vector<SeenBothWays> all;
+        std::vector<double> all;
         for (const auto& one : found) all.insert(all.end(), one.begin(), one.end());
         return all;
     }
 
     /// Robust mean square of the green ratio about its median; what is not seen counts as the worst.
     double cost(const Eigen::Vector3d& centre_m) const {
-        const auto points = seen({centre_m, radius_m_});
-        if (points.empty()) return std::numeric_limits<double>::infinity();
-        std::vector<double> ratios;
-        ratios.reserve(points.size());
-        for (const SeenBothWays& point : points) ratios.push_back(point.log_ratio.y());
+        const std::vector<double> ratios = log_ratios({centre_m, radius_m_});
+        if (ratios.empty()) return std::numeric_limits<double>::infinity();
         const double middle = upper_median(ratios);
         // Half a stop: more than a shadow's or a gloss's difference, less than ink against paper.
         constexpr double reach = 0.5;
@@ -119,7 +104,7 @@ public:
             sum += part / (1 + part);
         }
         const double most = static_cast<double>(views_.size() * points_.size());
-        return (sum + 0.5 * (most - static_cast<double>(points.size()))) / most;
+        return (sum + 0.5 * (most - static_cast<double>(ratios.size()))) / most;
     }
 
     /// Downhill in x, y and z with steps that halve (Hooke & Jeeves 1961, "Direct Search"), because tag edges make the
@@ -224,8 +209,9 @@ std::optional<Eigen::Vector3d> direct_radiance(const std::vector<BallView>& view
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     int seen = 0;
     for (const BallView& view : views) {
-        if (!sees_directly(view, ball, place_m)) continue;
-        sum += sample_rgb(view.radiance, view.pixel(place_m));
+        const auto pixel = direct_pixel(view, ball, place_m, clear_of_ball);
+        if (!pixel) continue;
+        sum += sample_rgb(view.radiance, *pixel);
         ++seen;
     }
     if (seen == 0) return std::nullopt;
@@ -256,19 +242,18 @@ MirrorBall ball_from_outlines(const std::vector<BallView>& views, double radius_
 std::optional<BallFit> fit_ball_to_rig(const std::vector<BallView>& views, const BallRig& rig, const RigPlane& plane,
                                        const MirrorBall& start) {
     const BallFitter fitter(views, plane, start);
-    if (fitter.seen(start).size() < 60) return std::nullopt;
+    if (fitter.log_ratios(start).size() < 60) return std::nullopt;
     BallFit fit;
     fit.ball = {fitter.descend(start.centre_m), start.radius_m};
     // Most balls lie on the table: where that explains the reflections better, the outlines were wrong.
     const Eigen::Vector3d lying = start.centre_m + (start.radius_m - plane.height_m(start.centre_m)) * plane.normal;
     const Eigen::Vector3d from_lying = fitter.descend(lying);
     if (fitter.cost(from_lying) < fitter.cost(fit.ball.centre_m)) fit.ball.centre_m = from_lying;
-    const auto points = fitter.seen(fit.ball);
-    fit.points = points.size();
+    const std::vector<double> ratios = fitter.log_ratios(fit.ball);
+    fit.points = ratios.size();
     if (fit.points < 60) return std::nullopt;
     fit.reflectance = measured_reflectance(views, rig, fit.ball);
-    std::vector<double> ratios, off;
-    for (const SeenBothWays& point : points) ratios.push_back(point.log_ratio.y());
+    std::vector<double> off;
     const double middle = upper_median(ratios);
     for (const double ratio : ratios) off.push_back(std::abs(ratio - middle));
     fit.residual = upper_median(off);

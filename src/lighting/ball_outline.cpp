@@ -144,18 +144,6 @@ std::optional<BallOutline> best_outline(const cv::Mat& light, const Camera& came
     return best;
 }
 
-/// The camera of a picture shrunk to `width` × `height`, pixel centres at whole numbers.
-Camera shrunk_camera(const Camera& camera, int width, int height) {
-    Camera small = camera;
-    const double across = static_cast<double>(width) / camera.width, down = static_cast<double>(height) / camera.height;
-    small.width = width;
-    small.height = height;
-    small.fx *= across, small.fy *= down;
-    small.cx = (camera.cx + 0.5) * across - 0.5;
-    small.cy = (camera.cy + 0.5) * down - 0.5;
-    return small;
-}
-
 }  // namespace
 
 Eigen::Vector2d BallOutline::pixel_at(const Camera& camera, double turn) const {
@@ -180,7 +168,7 @@ BallOutline find_ball(const ImageF& radiance, const Camera& camera, const std::o
     Camera small_camera = camera;
     if (scale < 1) {
         cv::resize(light, small, {}, scale, scale, cv::INTER_AREA);
-        small_camera = shrunk_camera(camera, small.cols, small.rows);
+        small_camera = camera_for_size(camera, small.cols, small.rows, reported);
     }
     std::vector<OutlineCircle> circles;
     if (given) {

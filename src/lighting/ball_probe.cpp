@@ -5,12 +5,12 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <memory>
 #include <numbers>
 
 #include <opencv2/imgproc.hpp>
 
 #include "core/parallel.h"
+#include "core/transfer.h"
 #include "lighting/ball_shadow.h"
 #include "lighting/latlong_grid.h"
 
@@ -50,7 +50,7 @@ struct Gathered {
 };
 
 double luminance(const Eigen::Vector3d& rgb) {
-    return rgb.dot(Eigen::Vector3d(0.2126, 0.7152, 0.0722));
+    return luminance_rec709(rgb.x(), rgb.y(), rgb.z());
 }
 
 class Unwrapper {
@@ -148,14 +148,10 @@ private:
 
     void add_direct(std::size_t v, const Eigen::Vector3d& place_m, double share, Gathered& into) const {
         const BallView& view = scene_.views[v];
-        if (share <= 0 || !view.in_front(place_m)) return;
-        const Eigen::Vector3d way = (place_m - eyes_[v].place_m).normalized();
-        if (miss_ratio(scene_.ball, eyes_[v].place_m, way) < 1.04) return;
-        const Eigen::Vector2d normalized = (*view.camera_from_world * place_m).hnormalized();
-        if (normalized.norm() > 3) return;
-        const Eigen::Vector2d pixel = view.camera.pixel_from_normalized(normalized);
-        if (!view.in_frame(pixel)) return;
-        into.add(sample_rgb(view.radiance, pixel), sigma_at(view, pixel), share, bound_at(view, pixel));
+        if (share <= 0) return;
+        const auto pixel = direct_pixel(view, scene_.ball, place_m, 1.04);
+        if (!pixel) return;
+        into.add(sample_rgb(view.radiance, *pixel), sigma_at(view, *pixel), share, bound_at(view, *pixel));
     }
 
     const BallScene& scene_;

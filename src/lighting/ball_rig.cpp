@@ -61,17 +61,23 @@ FrameObservations observe(const BallView& view, std::int64_t index, const TagSet
     return result;
 }
 
-/// The rig fitted to the whole picture from a pose that is right within `search_px`.
-bool fit_rig(BallView& view, const BallRig& rig, const RigidTransform& start, double search_px) {
-    const ImageF light = green_of(view.radiance);
-    const LensGrid lens(view.camera);
+/// What poses of one view are tried on.
+struct ViewLight {
+    explicit ViewLight(const BallView& view) : light(green_of(view.radiance)), lens(view.camera) {}
+    ImageF light;
+    LensGrid lens;
+};
+
+/// The rig fitted to the whole picture from a pose that is right within `search_px`; kept in `view` where it correlates
+/// better than what is there.
+bool fit_rig(const ViewLight& from, const BallRig& rig, const RigidTransform& start, double search_px, BallView& view) {
     RigFitOptions options;
     options.search_px = search_px;
     options.most_pixels_a_tag = 4000;
     MovingCamera camera;
     camera.camera_from_world = start;
-    const auto fit = fit_rig_image(source_of(light, lens), rig.sheets, camera, options);
-    if (!fit || fit->correlation < least_sheet_correlation) return false;
+    const auto fit = fit_rig_image(source_of(from.light, from.lens), rig.sheets, camera, options);
+    if (!fit || fit->correlation < least_sheet_correlation || fit->correlation <= view.rig_correlation) return false;
     view.camera_from_world = fit->camera.camera_from_world;
     view.rig_correlation = fit->correlation;
     return true;
@@ -289,17 +295,11 @@ BallRig find_rig(std::vector<BallView>& views, const TagSettings& tags, double b
         }
         if (placed.empty()) continue;
         // Of a single flat tag's two poses the rest of the rig tells which is right.
-        BallView best = views[i];
-        best.rig_correlation = 0;
+        const ViewLight light(views[i]);
         for (const CameraPose& pose : candidate_poses(placed)) {
-            BallView trial = views[i];
-            if (fit_rig(trial, rig, pose.camera_from_world, 4) && trial.rig_correlation > best.rig_correlation) {
-                best = std::move(trial);
-            } else if (!best.camera_from_world) {
-                best.camera_from_world = pose.camera_from_world;
-            }
+            const bool better = fit_rig(light, rig, pose.camera_from_world, 4, views[i]);
+            if (!better && !views[i].camera_from_world) views[i].camera_from_world = pose.camera_from_world;
         }
-        views[i] = std::move(best);
         ball_m += views[i].camera_from_world->inverse() * views[i].outline.centre_camera_m(ball_radius_m);
         ++posed;
     }
@@ -311,22 +311,17 @@ BallRig find_rig(std::vector<BallView>& views, const TagSettings& tags, double b
     for (BallView& view : views) {
         if (view.camera_from_world) continue;
         const RigSearch search(view, rig, ball_m, ball_radius_m);
-        BallView best = view;
-        for (const TurnAroundBall& turn : search.best_turns()) {
-            BallView trial = view;
-            if (!fit_rig(trial, rig, search.pose_of(turn), 12)) continue;
-            if (trial.rig_correlation > best.rig_correlation) best = std::move(trial);
-        }
-        if (!best.camera_from_world) {
+        const ViewLight light(view);
+        for (const TurnAroundBall& turn : search.best_turns()) fit_rig(light, rig, search.pose_of(turn), 12, view);
+        if (!view.camera_from_world) {
             throw InputError(view.name,
                              fmt::format("the rig is not found: no whole tag of {}, nor parts of them around the ball",
                                          wanted_ids(tags)),
                              "show a tag whole, or leave the view out");
         }
-        best.pose_from_ball = true;
+        view.pose_from_ball = true;
         warnings.add(
             fmt::format("{}: no whole tag: the camera was found by the ball and parts of tags", view.name.string()));
-        view = std::move(best);
     }
     return rig;
 }

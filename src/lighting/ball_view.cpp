@@ -4,7 +4,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 namespace matchlight {
+
+std::optional<Eigen::Vector2d> direct_pixel(const BallView& view, const MirrorBall& ball,
+                                            const Eigen::Vector3d& place_m, double clear) {
+    if (!view.in_front(place_m)) return std::nullopt;
+    const Eigen::Vector3d eye = view.eye_m();
+    const Eigen::Vector3d way = place_m - eye;
+    if (miss_ratio(ball, eye, way.normalized()) < clear) return std::nullopt;
+    const Eigen::Vector2d normalized = (*view.camera_from_world * place_m).hnormalized();
+    // Far outside any frame lens models fold.
+    if (!(normalized.norm() < 3)) return std::nullopt;
+    const Eigen::Vector2d pixel = view.camera.pixel_from_normalized(normalized);
+    if (!view.in_frame(pixel)) return std::nullopt;
+    return pixel;
+}
 
 Eigen::Vector3d sample_rgb(const ImageF& image, const Eigen::Vector2d& pixel) {
     const double x = std::clamp(pixel.x(), 0.0, image.width() - 1.0);

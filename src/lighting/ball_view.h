@@ -12,6 +12,7 @@
 #include "core/image.h"
 #include "core/transforms.h"
 #include "lighting/ball_outline.h"
+#include "lighting/mirror_ball.h"
 
 namespace matchlight {
 
@@ -42,6 +43,11 @@ struct BallView {
                pixel.y() <= radiance.height() - 1;
     }
 };
+
+/// The pixel in which a view sees a place directly, past the ball: its ray misses the centre by at least `clear` radii.
+/// nullopt where the ball, the frame or the lens' reach is in the way.
+std::optional<Eigen::Vector2d> direct_pixel(const BallView& view, const MirrorBall& ball,
+                                            const Eigen::Vector3d& place_m, double clear);
 
 /// Bilinear, RGB; clamped at the frame's edge.
 Eigen::Vector3d sample_rgb(const ImageF& image, const Eigen::Vector2d& pixel);
