@@ -27,6 +27,7 @@ uniform float least_visible_light;  // less light than this moves none by that m
 layout(location = 0) out vec4 composited_code;    // a = 1 where the pixel was touched
 #ifdef WRITE_LAYERS
 layout(location = 1) out vec4 composited_linear;  // a = the objects' coverage
+layout(location = 2) out vec4 spilled_linear;     // what spilled light changed
 #endif
 
 void main() {
@@ -51,9 +52,13 @@ void main() {
         composited_code = vec4(code, 0.0);
 #ifdef WRITE_LAYERS
         composited_linear = after;
+        spilled_linear = vec4(0.0);
 #endif
         return;
     }
+#ifdef WRITE_LAYERS
+    vec3 before_grain = linear;
+#endif
 #ifdef GRAIN
     // Whether spilled light is seen is a matter of its own, not of the noise that comes with it.
     vec3 grainless = linear;
@@ -75,5 +80,6 @@ void main() {
     composited_code = touched ? vec4(shown, 1.0) : vec4(code, 0.0);
 #ifdef WRITE_LAYERS
     composited_linear = vec4(touched ? linear : after.rgb, after.a);
+    spilled_linear = vec4(touched ? before_grain - after.rgb : vec3(0.0), 0.0);
 #endif
 }

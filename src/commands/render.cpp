@@ -121,6 +121,7 @@ void render(const RenderArguments& arguments, CommandContext& context) {
                                 .settings = scene.output,
                                 .overwrite = arguments.overwrite,
                                 .first_number = arguments.first_number,
+                                .scene = scene.path,
                                 .provenance = fmt::format("matchlight {}\n{}", version, scene.effective_toml)};
     const OutputLock lock(request.path);
     if (output_kind(request.path) != OutputKind::video) check_pictures(arguments, request.path, source->info());

@@ -199,7 +199,7 @@ ImageF Compositor::virtual_layer_code(const CompositedFrame& frame) const {
             float* out = picture.pixel(region.x + x, region.y + y);
             // The curves belong to the light of the covered part: undo the coverage, code, and cover again.
             const double luminance = luminance_rec709(light[0], light[1], light[2]) / alpha;
-            const double tone = tone_factor(luminance, frame.layers->white_light);
+            const double tone = tone_factor(luminance, frame.layers->light.white_light);
             for (int c = 0; c < 3; ++c) {
                 const double code = std::clamp(response.code_from_linear(tone * light[c] / alpha, c), 0.0, 1.0);
                 out[c] = static_cast<float>(code) * alpha;
@@ -208,6 +208,10 @@ ImageF Compositor::virtual_layer_code(const CompositedFrame& frame) const {
         }
     });
     return picture;
+}
+
+const Response& Compositor::response_of(const PlateFrame& plate) const {
+    return impl_->response_of(plate.format());
 }
 
 ImageF Compositor::plate_linear(const PlateFrame& plate) const {

@@ -1,10 +1,13 @@
 // One frame in, one image out: the same for render, preview and report.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "compositor/budget.h"
 #include "compositor/quality.h"
@@ -20,19 +23,33 @@
 
 namespace matchlight {
 
+/// How the light of a frame's layers goes with that of the probe and with code values.
+struct LayerLight {
+    Eigen::Vector3d gain = Eigen::Vector3d::Ones();  // plate-linear light of unit probe light: 2^ev · white balance
+    std::array<double, 2> vignette{};                // on top of the gain: 1 + v0 r² + v1 r⁴, r = 1 at the corner
+    double plate_gain = 1;                           // of the footage's own light: exposed anew
+    double white_light = 0;  // plate-linear light that the tone curve shows as white; 0: there is no curve
+};
+
 /// The parts of a frame for EXR output, each covering `region` of the plate; light is plate-linear (the response's
 /// inverse of the code values), depth in metres along the camera's axis (0 = nothing there), normals in world axes.
+///
+///     beauty = plate · shadow · (1 − coverage) + virtual + spill + grain
 struct FrameLayers {
     Region region;
-    ImageF beauty;           // RGB
-    ImageF alpha;            // 1 channel
-    ImageF depth;            // 1 channel
-    ImageF normal;           // 3 channels
-    ImageF shadow;           // RGB ratio
-    ImageF object_id;        // 1 channel; 0 = nothing, 1 = the scene's first object
-    ImageF virtual_rgba;     // the virtual layer alone: premultiplied plate-linear light and alpha
-    double white_light = 0;  // beauty's light that the tone curve shows as white; 0: there is no curve
-    ImageF background;       // RGB, in place of the plate in scenes without footage; else empty
+    ImageF beauty;        // RGB
+    ImageF alpha;         // 1 channel
+    ImageF depth;         // 1 channel
+    ImageF normal;        // 3 channels
+    ImageF shadow;        // RGB ratio
+    ImageF object_id;     // 1 channel; 0 = nothing, 1 = the scene's first object
+    ImageF virtual_rgba;  // the virtual layer alone: premultiplied plate-linear light and alpha
+    ImageF background;    // RGB, in place of the plate in scenes without footage; else empty
+    ImageF plate;         // RGB light of footage or background as it was composited: exposed anew where that is asked
+    ImageF coverage;      // RGB where the lens parts the channels; empty: alpha in all of them
+    ImageF spill;         // RGB that the camera's effects add or take away; empty: none
+    ImageF grain;         // RGB noise; empty: none
+    LayerLight light;
 };
 
 /// The plate as it came, and what is new in it.
@@ -101,6 +118,8 @@ public:
 
     /// The plate's linear light over the whole frame (for EXR output), through the response in force.
     ImageF plate_linear(const PlateFrame& plate) const;
+    /// The response in force: the solve's, or what the footage says of itself.
+    const Response& response_of(const PlateFrame& plate) const;
 
 private:
     struct Impl;

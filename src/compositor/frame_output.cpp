@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "compositor/exr_layers.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "media/frame_sink.h"
@@ -56,9 +57,10 @@ public:
     void finish() override {}
 
 protected:
+    std::int64_t number_of(const CompositedFrame& frame) const { return frame.plate.index() + request_.first_number; }
     /// The frame's own name, checked against what is there.
     fs::path path_of(const CompositedFrame& frame) const {
-        fs::path path = numbered(request_.path, frame.plate.index() + request_.first_number);
+        fs::path path = numbered(request_.path, number_of(frame));
         check_output(path, request_.overwrite);
         return path;
     }
@@ -89,36 +91,8 @@ public:
     bool needs_layers() const override { return true; }
 
     void write(const CompositedFrame& frame, const Compositor& compositor) override {
-        const PlateFormat& format = frame.plate.format();
-        const bool has_footage = !frame.layers || frame.layers->background.empty();
-        const ImageF plate = has_footage ? compositor.plate_linear(frame.plate) : frame.layers->background;
-        ImageF beauty = plate;
-        std::vector<ExrPart> parts{{"beauty", {"R", "G", "B"}, &beauty, true, {}},
-                                   {"plate", {"R", "G", "B"}, &plate, true, {}}};
-        const ImageF nothing(1, 1, 1);
-        const ImageF no_normal(1, 1, 3);
-        const FrameLayers* layers = frame.layers ? &*frame.layers : nullptr;
-        const Region window = layers != nullptr ? layers->region : Region{0, 0, 1, 1};
-        // A ratio is 1 where there is no shadow, while EXR takes 0 outside a part's window: so it covers the whole
-        // frame.
-        ImageF shadow(format.width, format.height, 3, 1.0F);
-        parts.push_back({"shadow", {"R", "G", "B"}, &shadow, true, {}});
-        if (layers != nullptr) {
-            for (int y = 0; y < window.height; ++y) {
-                std::copy_n(layers->beauty.pixel(0, y), 3 * window.width, beauty.pixel(window.x, window.y + y));
-                std::copy_n(layers->shadow.pixel(0, y), 3 * window.width, shadow.pixel(window.x, window.y + y));
-            }
-        }
-        const auto add = [&](const char* name, std::vector<std::string> channels, const ImageF* image,
-                             const ImageF& otherwise, bool half) {
-            parts.push_back({name, std::move(channels), image != nullptr ? image : &otherwise, half, window});
-        };
-        add("alpha", {"A"}, layers != nullptr ? &layers->alpha : nullptr, nothing, true);
-        add("depth", {"Z"}, layers != nullptr ? &layers->depth : nullptr, nothing, false);
-        add("normal", {"X", "Y", "Z"}, layers != nullptr ? &layers->normal : nullptr, no_normal, true);
-        add("object_id", {"id"}, layers != nullptr ? &layers->object_id : nullptr, nothing, false);
-        write_exr(path_of(frame), format.width, format.height, parts,
-                  {{"software", request_.provenance}, {"frame", std::to_string(frame.plate.index())}});
+        write_exr_layers(path_of(frame), frame, compositor,
+                         {.number = number_of(frame), .scene = request_.scene, .provenance = request_.provenance});
     }
 };
 

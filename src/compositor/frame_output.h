@@ -22,7 +22,8 @@ struct OutputRequest {
     OutputSettings settings;
     bool overwrite = false;
     std::int64_t first_number = 0;  // number in the name of frame 0 of the footage
-    std::string provenance;         // effective scene, version: recorded in every output
+    std::filesystem::path scene;
+    std::string provenance;  // effective scene, version: recorded in every output
 };
 
 class FrameOutput {

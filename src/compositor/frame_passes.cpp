@@ -48,6 +48,22 @@ void take_code(CompositedFrame& result, const ImageF& read, const Region& region
     });
 }
 
+/// What is left of the picture when all else that it is made of is taken away.
+ImageF noise_of(const FrameLayers& layers) {
+    ImageF noise = layers.beauty;
+    parallel_for(noise.height(), [&](int y) {
+        for (int x = 0; x < noise.width(); ++x) {
+            for (int c = 0; c < 3; ++c) {
+                const float coverage = layers.coverage.empty() ? layers.alpha.at(x, y) : layers.coverage.at(x, y, c);
+                const float spill = layers.spill.empty() ? 0 : layers.spill.at(x, y, c);
+                noise.at(x, y, c) -= layers.plate.at(x, y, c) * layers.shadow.at(x, y, c) * (1 - coverage) +
+                                     layers.virtual_rgba.at(x, y, c) + spill;
+            }
+        }
+    });
+    return noise;
+}
+
 /// The result over a larger region: the plate's codes and untouched where it was not before.
 void widen(CompositedFrame& result, const Region& region) {
     ImageF code(region.width, region.height, 3);
@@ -263,26 +279,55 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
          {shown.linear, picture.shadow, picture.virtual_rgba, picture.geometry, picture.object_id}) {
         graph.output(layer);
     }
-    if (layers) graph.output(background_);
+    if (layers) {
+        for (const GraphTexture layer : {background_, picture.light.before, shown.spill, input.blurred.coverage})
+            graph.output(layer);
+    }
     graph.run(resources_.timed);
 
     take_picture(result, shown.code, runs);
     if (tiles) composite_surroundings(result, spill, tiles);
-    if (!layers) return;
+    if (layers) read_layers(result, picture, shown, input);
+}
+
+void FramePasses::read_layers(CompositedFrame& result, const CompositePicture& picture, const ResponsePicture& shown,
+                              const CompositeInput& input) const {
+    const RenderGraph& graph = resources_.graph;
+    const Region& region = result.reach;
     const auto read = [&](GraphTexture texture, int channels) {
-        return read_runs(graph.texture(texture), region, runs, channels);
+        return read_runs(graph.texture(texture), region, {region}, channels);
     };
     const ImageF linear = read(shown.linear, 4), geometry = read(picture.geometry, 4);
-    result.layers = FrameLayers{.region = region,
-                                .beauty = channels_of(linear, 0, 3),
-                                .alpha = channels_of(linear, 3, 1),
-                                .depth = channels_of(geometry, 3, 1),
-                                .normal = channels_of(geometry, 0, 3),
-                                .shadow = read(picture.shadow, 3),
-                                .object_id = read(picture.object_id, 1),
-                                .virtual_rgba = read(picture.virtual_rgba, 4),
-                                .white_light = plan_.optics.white_light,
-                                .background = background_ ? read(background_, 3) : ImageF()};
+    FrameLayers layers{.region = region,
+                       .beauty = channels_of(linear, 0, 3),
+                       .alpha = channels_of(linear, 3, 1),
+                       .depth = channels_of(geometry, 3, 1),
+                       .normal = channels_of(geometry, 0, 3),
+                       .shadow = read(picture.shadow, 3),
+                       .object_id = read(picture.object_id, 1),
+                       .virtual_rgba = read(picture.virtual_rgba, 4),
+                       .background = background_ ? read(background_, 3) : ImageF(),
+                       .plate = read(picture.light.before, 3),
+                       .coverage = {},
+                       .spill = resources_.effects.any() ? read(shown.spill, 3) : ImageF(),
+                       .grain = {},
+                       .light = {.gain = plan_.optics.gain,
+                                 .vignette = plan_.optics.vignette,
+                                 .plate_gain = plan_.optics.plate_gain,
+                                 .white_light = plan_.optics.white_light}};
+    if (const GraphTexture coverage = input.blurred.coverage) {
+        // Only where objects are; elsewhere it is none.
+        const Region covered = graph.shape(coverage).region.intersected(region);
+        layers.coverage = ImageF(region.width, region.height, 3);
+        const Region& held = graph.shape(coverage).region;
+        const ImageF part = read_runs(graph.texture(coverage), held, {covered}, 3);
+        for (int y = 0; y < covered.height; ++y) {
+            std::copy_n(part.pixel(covered.x - held.x, covered.y - held.y + y), 3 * covered.width,
+                        layers.coverage.pixel(covered.x - region.x, covered.y - region.y + y));
+        }
+    }
+    if (input.grain) layers.grain = noise_of(layers);
+    result.layers = std::move(layers);
 }
 
 void FramePasses::composite_surroundings(CompositedFrame& result, GraphTexture spill, GraphTexture tiles) {

@@ -95,6 +95,8 @@ private:
     void composite_code(CompositedFrame& result);
     /// Light first, then what spills, then code values: with effects or layers.
     void composite_light(CompositedFrame& result, bool layers);
+    void read_layers(CompositedFrame& result, const CompositePicture& picture, const ResponsePicture& shown,
+                     const CompositeInput& input) const;
     /// Around what objects touch: where the spilled light can be seen.
     void composite_surroundings(CompositedFrame& result, GraphTexture spill, GraphTexture tiles);
     double least_visible_light(const CompositedFrame& frame) const;

@@ -11,6 +11,7 @@
 #include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputPart.h>
 #include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/format.h>
 #include <half.h>
@@ -51,7 +52,10 @@ Imf::Header header_of(const ExrPart& part, const Imath::Box2i& display, const Im
     header.setType(Imf::SCANLINEIMAGE);
     for (const std::string& channel : part.channels)
         header.channels().insert(channel, Imf::Channel(part.half ? Imf::HALF : Imf::FLOAT));
-    for (const auto& [key, value] : metadata) header.insert(key, Imf::StringAttribute(value));
+    for (const ImageMetadata* entries : {&metadata, &part.metadata}) {
+        for (const auto& [key, value] : *entries) header.insert(key, Imf::StringAttribute(value));
+    }
+    if (part.rec709) Imf::addChromaticities(header, Imf::Chromaticities());
     return header;
 }
 

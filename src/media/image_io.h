@@ -59,7 +59,9 @@ struct ExrPart {
     std::vector<std::string> channels;  // "R", "G", "B", "A", "Z", …, as many as the image has
     const ImageF* image = nullptr;
     bool half = true;
-    Region data_window;  // where the image lies in the display window; empty = at its origin
+    Region data_window;           // where the image lies in the display window; empty = at its origin
+    ImageMetadata metadata = {};  // of this part alone
+    bool rec709 = false;          // its RGB is light of Rec.709's primaries: told in the standard attribute
 };
 /// ZIP-compressed scanlines; `metadata` goes into every part's header as strings. Throws InputError.
 void write_exr(const std::filesystem::path& path, int display_width, int display_height,

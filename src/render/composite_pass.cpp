@@ -284,7 +284,7 @@ ResponsePicture CompositePass::add_response(RenderGraph& graph, const ResponseIn
         pass.reads.push_back({input.grain->noise});
     }
     if (input.layers) {
-        pass.writes.push_back(GL_RGBA32F);
+        pass.writes.insert(pass.writes.end(), 2, GL_RGBA32F);
         defines["WRITE_LAYERS"] = "1";
     }
     pass.draw = [this, input, plate, defines](PassRun& run) {
@@ -307,7 +307,8 @@ ResponsePicture CompositePass::add_response(RenderGraph& graph, const ResponseIn
         draw_runs(run, program, input.region, input.runs);
     };
     const std::vector<GraphTexture> written = graph.add_pass(std::move(pass));
-    return {written[0], input.layers ? written[1] : GraphTexture{}};
+    if (!input.layers) return {.code = written[0], .linear = {}, .spill = {}};
+    return {.code = written[0], .linear = written[1], .spill = written[2]};
 }
 
 }  // namespace matchlight

@@ -85,6 +85,7 @@ struct ResponseInput {
 struct ResponsePicture {
     GraphTexture code;    // RGB; a = 1 where the pixel was touched
     GraphTexture linear;  // plate-linear RGB and the objects' coverage; only with `layers`
+    GraphTexture spill;   // how much of that RGB is spilled light; only with `layers`
 };
 
 /// Holds what no frame changes: the lens as a grid and the response as a table.
