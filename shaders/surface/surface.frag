@@ -24,6 +24,9 @@ layout(location = 0) out vec4 color;
 #ifdef LENS
 layout(location = 1) out vec4 focus_share;  // r: near_m / z that has the circle of confusion of what is seen, times a
 #endif
+#ifdef COVERAGE
+layout(location = COVERAGE) out vec4 coverage;  // of virtual things; a = of real ones, too
+#endif
 
 // Over 65504 a half float is infinite, and one infinity floods every blur after it.
 const float largest_half = 65504.0;
@@ -137,6 +140,9 @@ void main() {
     float share = dot(reflection, vec3(1.0)) / max(dot(radiance, vec3(1.0)), 1e-20);
     float lobe = lobe_width * reflection_roughness * reflection_roughness;
     focus_share = vec4(alpha * focus_share_of(seen_coc_px(share, lobe)), 0.0, 0.0, alpha);
+#endif
+#ifdef COVERAGE
+    coverage = vec4(alpha);
 #endif
     color = vec4(min(radiance, vec3(largest_half)) * alpha, alpha);
 }

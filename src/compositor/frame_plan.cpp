@@ -58,6 +58,7 @@ Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const 
     const double beyond = spread.lens_spread_px() / solve.camera.fx;
     std::vector<Region> regions;
     for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
+        if (surfaces.is_holdout(i)) continue;
         const Eigen::AlignedBox2d bounds =
             normalized_bounds_of_box(surfaces.object_bounds_m(i), camera_from_world, lens_map, beyond);
         if (bounds.isEmpty()) continue;
@@ -200,6 +201,7 @@ void Compositor::Impl::plan_sensor(FramePlan& plan) {
     if (layer.color && options.leave_out) {
         Eigen::AlignedBox2d bounds;
         for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
+            if (surfaces.is_holdout(i)) continue;
             bounds.extend(
                 normalized_bounds_of_box(surfaces.object_bounds_m(i), plan.optics.camera_from_world, lens_map));
         }

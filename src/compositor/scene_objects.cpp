@@ -51,7 +51,8 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
                              .material = object.material,
                              .reflection = object.reflection,
                              .id = ++id,
-                             .casts_shadow = object.casts_shadow});
+                             .casts_shadow = object.casts_shadow,
+                             .is_holdout = object.holdout});
     }
     place(time);
 }
@@ -74,7 +75,8 @@ PlacementChange SceneObjects::change_since_lit() const {
     for (std::size_t i = 0; i < moving_.size(); ++i) {
         if (i < lit_.size() && placed_[i] == lit_[i]) continue;
         change.any = true;
-        change.casters = change.casters || objects_[moving_[i]].settings.casts_shadow;
+        const ObjectSettings& moved = objects_[moving_[i]].settings;
+        change.casters = change.casters || (moved.casts_shadow && !moved.holdout);
     }
     return change;
 }

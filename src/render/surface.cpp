@@ -5,42 +5,11 @@
 #include <cassert>
 
 #include "gl/context.h"
-#include "render/surface_mesh.h"
+#include "render/surface_object.h"
 #include "render/surface_targets.h"
 #include "render/virtual_layer.h"
 
 namespace matchlight {
-
-struct SurfaceRenderer::Mesh {
-    SurfaceMesh geometry;
-    std::size_t material = 0;
-};
-
-struct SurfaceRenderer::Object {
-    Eigen::Matrix4d world_from_model;
-    ReflectionForm reflection;
-    int id;
-    bool casts_shadow;
-    SurfaceTextures textures;
-    std::vector<SurfaceMaterial> materials;
-    std::vector<Mesh> meshes;
-
-    const SurfaceMaterial& material_of(const Mesh& mesh) const { return materials[mesh.material]; }
-    bool casts(const Mesh& mesh) const {
-        constexpr float solid = 0.5F;
-        const SurfaceMaterial& material = material_of(mesh);
-        return casts_shadow && (!material.blends() || material.factors.base_color[3] >= solid);
-    }
-    Eigen::AlignedBox3d bounds_of(const Mesh& mesh) const {
-        const Eigen::AlignedBox3d& box = mesh.geometry.bounds_m();
-        Eigen::AlignedBox3d world;
-        for (int i = 0; i < 8; ++i) {
-            const Eigen::Vector3d corner = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
-            world.extend((world_from_model * corner.homogeneous()).hnormalized());
-        }
-        return world;
-    }
-};
 
 namespace {
 
@@ -120,7 +89,7 @@ SurfaceRenderer::~SurfaceRenderer() = default;
 std::size_t SurfaceRenderer::add_object(const SurfaceObject& object) {
     assert(object.model && object.id > 0);
     const Model& model = *object.model;
-    Object added{object.world_from_model, object.reflection, object.id, object.casts_shadow, {}, {}, {}};
+    Object added{object.world_from_model, object.reflection, object.id, object.casts_shadow, object.is_holdout, {}, {}, {}};
     for (const ModelMaterial& material : model.materials) {
         added.materials.push_back(make_surface_material(model, material, object.material, added.textures));
     }
@@ -147,12 +116,12 @@ const Eigen::Matrix4d& SurfaceRenderer::world_from_model(std::size_t index) cons
 
 bool SurfaceRenderer::any_reflects(ReflectionForm form) const {
     return std::any_of(objects_.begin(), objects_.end(),
-                       [&](const Object& object) { return object.reflection == form; });
+                       [&](const Object& object) { return !object.is_holdout && object.reflection == form; });
 }
 
 bool SurfaceRenderer::any_blends() const {
     return std::ranges::any_of(objects_, [](const Object& object) {
-        return std::ranges::any_of(object.meshes, [&](const Mesh& mesh) { return object.material_of(mesh).blends(); });
+        return !object.is_holdout && std::ranges::any_of(object.meshes, [&](const Mesh& mesh) { return object.material_of(mesh).blends(); });
     });
 }
 
@@ -182,6 +151,7 @@ Eigen::AlignedBox3d SurfaceRenderer::bounds_m() const {
 Eigen::AlignedBox3d SurfaceRenderer::shadow_caster_bounds_m() const {
     Eigen::AlignedBox3d box;
     for (const Object& object : objects_) {
+        if (object.is_holdout) continue;
         for (const Mesh& mesh : object.meshes) {
             if (object.casts(mesh)) box.extend(object.bounds_of(mesh));
         }
@@ -217,42 +187,47 @@ void SurfaceRenderer::draw_mesh(Program& program, const SurfaceView& view, const
     }
 }
 
+void SurfaceRenderer::place(Program& program, const SurfaceView& view, const Object& object,
+                            const PlaceMore& place_more) const {
+    const auto index = static_cast<std::size_t>(&object - objects_.data());
+    if (view.lens) set_focus(program, *view.lens, index);
+    const Eigen::Matrix3d linear = object.world_from_model.topLeftCorner<3, 3>();
+    const auto apart = std::ranges::find(view.apart, index, &ObjectView::object);
+    const bool is_apart = apart != view.apart.end();
+    const Eigen::Matrix4d& clip_from_world = is_apart ? apart->clip_from_world : view.clip_from_world;
+    const Eigen::Vector3d& eye_world_m = is_apart ? apart->eye_world_m : view.eye_world_m;
+    program.set("clip_from_model", Eigen::Matrix4f((clip_from_world * object.world_from_model).cast<float>()));
+    if (!view.apart.empty()) program.set("eye_world", Eigen::Vector3f(eye_world_m.cast<float>()));
+    program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
+    program.set("normal_from_model", Eigen::Matrix3f(linear.inverse().transpose().cast<float>()));
+    program.set("reflects_sphere_map", object.reflection == ReflectionForm::sphere_map);
+    program.set("object_id", static_cast<unsigned>(object.id));
+    if (place_more) place_more(index);
+}
+
 void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Drawn drawn,
-                                  const std::function<void(std::size_t)>& place_more) const {
+                                  const PlaceMore& place_more) const {
     struct Blended {
         const Object* object;
         const Mesh* mesh;
         double distance_m;
     };
     std::vector<Blended> blended;
-    const auto place = [&](const Object& object) {
-        if (view.lens) set_focus(program, *view.lens, static_cast<std::size_t>(&object - objects_.data()));
-        const Eigen::Matrix3d linear = object.world_from_model.topLeftCorner<3, 3>();
-        const auto apart =
-            std::ranges::find(view.apart, static_cast<std::size_t>(&object - objects_.data()), &ObjectView::object);
-        const bool is_apart = apart != view.apart.end();
-        const Eigen::Matrix4d& clip_from_world = is_apart ? apart->clip_from_world : view.clip_from_world;
-        const Eigen::Vector3d& eye_world_m = is_apart ? apart->eye_world_m : view.eye_world_m;
-        program.set("clip_from_model", Eigen::Matrix4f((clip_from_world * object.world_from_model).cast<float>()));
-        if (!view.apart.empty()) program.set("eye_world", Eigen::Vector3f(eye_world_m.cast<float>()));
-        program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
-        program.set("normal_from_model", Eigen::Matrix3f(linear.inverse().transpose().cast<float>()));
-        program.set("reflects_sphere_map", object.reflection == ReflectionForm::sphere_map);
-        program.set("object_id", static_cast<unsigned>(object.id));
-        if (place_more) place_more(static_cast<std::size_t>(&object - objects_.data()));
-    };
-    const bool shows_blended = drawn == Drawn::light || drawn == Drawn::transparent_light || drawn == Drawn::layers;
+    const bool is_geometry = drawn == Drawn::layers || drawn == Drawn::ways;
+    const bool shows_blended = drawn == Drawn::light || drawn == Drawn::transparent_light || is_geometry;
     set_opaque_state();
     if (drawn == Drawn::hidden_light) {
         glDepthFunc(GL_EQUAL);
         glDepthMask(GL_FALSE);
     }
+    draw_real(program, view, drawn, place_more);
     for (const Object& object : objects_) {
-        place(object);
+        if (object.is_holdout) continue;
+        place(program, view, object, place_more);
         for (const Mesh& mesh : object.meshes) {
             const bool blends = object.material_of(mesh).blends();
             if (blends ? !shows_blended : drawn == Drawn::transparent_light) continue;
-            if (blends && drawn != Drawn::layers) {
+            if (blends && !is_geometry) {
                 const double distance_m = (object.bounds_of(mesh).center() - view.eye_world_m).norm();
                 blended.push_back({&object, &mesh, distance_m});
             } else {
@@ -265,7 +240,7 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
     // What shows through blurs as what it is.
     if (drawn == Drawn::light && view.lens) glColorMaski(1, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     for (const Blended& next : blended) {
-        place(*next.object);
+        place(program, view, *next.object, place_more);
         draw_mesh(program, view, *next.object, *next.mesh);
     }
     if (drawn == Drawn::light && view.lens) glColorMaski(1, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -274,10 +249,9 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
 
 Program& SurfaceRenderer::light_program(const Environment& environment, const SurfaceView& view,
                                         const SurfaceShading& shading) {
-    ShaderDefines defines;
-    if (view.lens) defines["LENS"] = "1";
-    Program& program = shaders_.program(
-        {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}}, defines);
+    Program& program =
+        shaders_.program({{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}},
+                         view_defines(view));
     program.use();
     if (view.lens) set_lens(program, *view.lens);
     program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));
@@ -387,7 +361,7 @@ const Texture2D& SurfaceRenderer::draw_ways(const SurfaceView& view, std::span<c
     program.set("near_m", near_plane_m);
     const Region region{0, 0, view.width, view.height};
     begin_drawing(targets_->ways.target, region, 1);
-    draw_meshes(program, view, Drawn::layers, [&](std::size_t index) {
+    draw_meshes(program, view, Drawn::ways, [&](std::size_t index) {
         const ObjectWay& way = ways[index];
         program.set("opening_camera_from_model", Eigen::Matrix4f(way.opening_camera_from_model.cast<float>()));
         program.set("closing_camera_from_model", Eigen::Matrix4f(way.closing_camera_from_model.cast<float>()));
@@ -420,6 +394,7 @@ std::vector<PlacedMesh> SurfaceRenderer::read_meshes() const {
             next.indices = mesh.geometry.read_indices();
             next.object = static_cast<std::size_t>(&object - objects_.data());
             next.casts_shadow = object.casts(mesh);
+            next.is_holdout = object.is_holdout;
             next.reflectance = object.material_of(mesh).reflectance();
         }
     }
@@ -442,7 +417,7 @@ void SurfaceRenderer::draw_shadow_casters(Program& program) const {
     for (const Object& object : objects_) {
         program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
         for (const Mesh& mesh : object.meshes) {
-            if (!object.casts(mesh)) continue;
+            if (object.is_holdout || !object.casts(mesh)) continue;
             program.set("caster_reflectance", object.material_of(mesh).reflectance());
             mesh.geometry.draw();
         }

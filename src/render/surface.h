@@ -52,6 +52,9 @@ struct SurfaceView {
     int samples = 4;            // a pixel, for edges; 1 is none; more than the driver has becomes what it has
     std::span<const ObjectView> apart = {};
     std::optional<SurfaceLens> lens = {};  // of draws without multisampling
+    /// Real things in front count as covered, in black, so that what blurs the picture takes them as the surfaces they
+    /// are; SurfacePicture::coverage then tells them from virtual ones. False: they leave the picture empty.
+    bool parts_coverage = false;
 };
 
 /// Points into textures of the renderer that may be larger than the view and hold until its next draw: the picture is
@@ -64,6 +67,8 @@ struct SurfacePicture {
     /// near_m / z of points that the lens would blur as much as what is seen, times their coverage; 0 where nothing
     /// is. R32F; null unless the view has a lens.
     const Texture2D* focus_share = nullptr;
+    /// rgb = coverage of virtual things, a = that of `color`; RGBA16F; null unless the view parts it.
+    const Texture2D* coverage = nullptr;
     const Texture2D* depth_m = nullptr;    // along the camera's z, 0 where nothing is; R32F
     const Texture2D* normal = nullptr;     // world, unit length, w = 1; zero where nothing is; RGBA16F
     const Texture2D* object_id = nullptr;  // 0 where nothing is; R32UI
@@ -83,6 +88,7 @@ struct SurfaceObject {
     ReflectionForm reflection = ReflectionForm::cube;
     int id = 1;  // in the object-id layer; 0 is kept for the background
     bool casts_shadow = true;
+    bool is_holdout = false;  // a real thing's shape
 };
 
 /// Sets what other passes bring into the shading of surfaces: the uniforms of common/visibility.glsl. Texture units
@@ -98,6 +104,7 @@ struct PlacedMesh {
     std::vector<std::uint32_t> indices;  // of triangles
     std::size_t object = 0;              // its index
     bool casts_shadow = true;
+    bool is_holdout = false;
     double reflectance = 0;  // of white light, as SurfaceMaterial has it
 };
 
@@ -116,6 +123,9 @@ public:
     std::size_t object_count() const;
     bool any_reflects(ReflectionForm form) const;
     bool any_blends() const;
+    /// Holdouts are never seen: they hide what is behind them.
+    bool is_holdout(std::size_t index) const;
+    bool any_holdout() const;
 
     /// Box in world axes around an object, and around all of them (empty when there are none).
     Eigen::AlignedBox3d object_bounds_m(std::size_t index) const;
@@ -159,12 +169,18 @@ private:
     struct Object;
     struct Targets;
 
-    enum class Drawn { light, opaque_light, transparent_light, hidden_depth, hidden_light, layers };
+    enum class Drawn { light, opaque_light, transparent_light, hidden_depth, hidden_light, layers, ways };
+    /// What shaders of light are compiled with.
+    static ShaderDefines view_defines(const SurfaceView& view);
     /// The program for light, with what it reads set.
     Program& light_program(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading);
-    /// `place_more` sets what else a program needs of an object, by its index.
+    using PlaceMore = std::function<void(std::size_t)>;
+    /// Sets what a program needs to know of an object; `place_more` what else it needs, by the object's index.
+    void place(Program& program, const SurfaceView& view, const Object& object, const PlaceMore& place_more) const;
     void draw_meshes(Program& program, const SurfaceView& view, Drawn drawn,
-                     const std::function<void(std::size_t)>& place_more = {}) const;
+                     const PlaceMore& place_more = {}) const;
+    /// What stands for real things, before all that is virtual; `program` as in draw_meshes().
+    void draw_real(Program& program, const SurfaceView& view, Drawn drawn, const PlaceMore& place_more) const;
     void draw_mesh(Program& program, const SurfaceView& view, const Object& object, const Mesh& mesh) const;
 
     ShaderLibrary& shaders_;

@@ -98,6 +98,7 @@ struct ObjectSettings {
     std::optional<int> parent_tag;  // coordinates are that tag's instead of the world's
     ReflectionForm reflection = ReflectionForm::cube;
     bool casts_shadow = true;
+    bool holdout = false;  // it stands for a real thing: never drawn, it hides what is behind it
     std::optional<FocusOverride> focus;
     MaterialOverride material;
 };

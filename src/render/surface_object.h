@@ -1,0 +1,45 @@
+// An object of SurfaceRenderer as it lies on the GPU.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "render/surface.h"
+#include "render/surface_mesh.h"
+
+namespace matchlight {
+
+struct SurfaceRenderer::Mesh {
+    SurfaceMesh geometry;
+    std::size_t material = 0;
+};
+
+struct SurfaceRenderer::Object {
+    Eigen::Matrix4d world_from_model;
+    ReflectionForm reflection;
+    int id;
+    bool casts_shadow;
+    bool is_holdout;
+    SurfaceTextures textures;
+    std::vector<SurfaceMaterial> materials;
+    std::vector<Mesh> meshes;
+
+    const SurfaceMaterial& material_of(const Mesh& mesh) const { return materials[mesh.material]; }
+    bool casts(const Mesh& mesh) const {
+        constexpr float solid = 0.5F;
+        const SurfaceMaterial& material = material_of(mesh);
+        return casts_shadow && (!material.blends() || material.factors.base_color[3] >= solid);
+    }
+    Eigen::AlignedBox3d bounds_of(const Mesh& mesh) const {
+        const Eigen::AlignedBox3d& box = mesh.geometry.bounds_m();
+        Eigen::AlignedBox3d world;
+        for (int i = 0; i < 8; ++i) {
+            const Eigen::Vector3d corner = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
+            world.extend((world_from_model * corner.homogeneous()).hnormalized());
+        }
+        return world;
+    }
+};
+
+}  // namespace matchlight
