@@ -89,7 +89,8 @@ SurfaceRenderer::~SurfaceRenderer() = default;
 std::size_t SurfaceRenderer::add_object(const SurfaceObject& object) {
     assert(object.model && object.id > 0);
     const Model& model = *object.model;
-    Object added{object.world_from_model, object.reflection, object.id, object.casts_shadow, object.is_holdout, {}, {}, {}};
+    Object added{
+        object.world_from_model, object.reflection, object.id, object.casts_shadow, object.is_holdout, {}, {}, {}};
     for (const ModelMaterial& material : model.materials) {
         added.materials.push_back(make_surface_material(model, material, object.material, added.textures));
     }
@@ -121,7 +122,8 @@ bool SurfaceRenderer::any_reflects(ReflectionForm form) const {
 
 bool SurfaceRenderer::any_blends() const {
     return std::ranges::any_of(objects_, [](const Object& object) {
-        return !object.is_holdout && std::ranges::any_of(object.meshes, [&](const Mesh& mesh) { return object.material_of(mesh).blends(); });
+        return !object.is_holdout &&
+               std::ranges::any_of(object.meshes, [&](const Mesh& mesh) { return object.material_of(mesh).blends(); });
     });
 }
 
@@ -249,9 +251,8 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
 
 Program& SurfaceRenderer::light_program(const Environment& environment, const SurfaceView& view,
                                         const SurfaceShading& shading) {
-    Program& program =
-        shaders_.program({{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}},
-                         view_defines(view));
+    Program& program = shaders_.program(
+        {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}}, view_defines(view));
     program.use();
     if (view.lens) set_lens(program, *view.lens);
     program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));

@@ -177,8 +177,7 @@ private:
     using PlaceMore = std::function<void(std::size_t)>;
     /// Sets what a program needs to know of an object; `place_more` what else it needs, by the object's index.
     void place(Program& program, const SurfaceView& view, const Object& object, const PlaceMore& place_more) const;
-    void draw_meshes(Program& program, const SurfaceView& view, Drawn drawn,
-                     const PlaceMore& place_more = {}) const;
+    void draw_meshes(Program& program, const SurfaceView& view, Drawn drawn, const PlaceMore& place_more = {}) const;
     /// What stands for real things, before all that is virtual; `program` as in draw_meshes().
     void draw_real(Program& program, const SurfaceView& view, Drawn drawn, const PlaceMore& place_more) const;
     void draw_mesh(Program& program, const SurfaceView& view, const Object& object, const Mesh& mesh) const;

@@ -146,7 +146,8 @@ const std::vector<Setting> own_settings = {
     {"object", "casts_shadow", of_kind(boolean), "", "true", "on the surface",
      [](Scene& s, const SettingValue& v) { s.objects.back().casts_shadow = v.boolean; }},
     {"object", "holdout", of_kind(boolean), "", "false",
-     "it stands for a real thing in the footage: never drawn, it hides virtual objects behind it and catches their shadow",
+     "it stands for a real thing in the footage: never drawn, it hides virtual objects behind it and catches their "
+     "shadow",
      [](Scene& s, const SettingValue& v) { s.objects.back().holdout = v.boolean; }},
     {"object",
      "focus",
