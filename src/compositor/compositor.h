@@ -16,6 +16,7 @@
 #include "gl/context.h"
 #include "gl/shader_library.h"
 #include "media/plate.h"
+#include "render/gathered_surface.h"
 #include "render/graph.h"
 #include "render/surface.h"
 #include "scene/scene_file.h"
@@ -72,7 +73,9 @@ struct CompositorOptions {
     QualityLevel quality = QualityLevel::final_;
     std::optional<Quality> settings = {};    // instead of what `quality` means
     std::optional<FrameBudget> budget = {};  // chooses the levels within `settings` or `quality`
-    bool layers = false;                     // also return FrameLayers
+    // What the clip shows of the real surface (compositor/surface_picture.h); null: nothing.
+    std::shared_ptr<const GatheredSurface> gathered_surface = {};
+    bool layers = false;    // also return FrameLayers
     bool leave_out = true;  // false: draw what could be left out, too; the result is the same, bit for bit
     bool timed = false;     // time every pass, for reports(); waits for the GPU at each
 };
