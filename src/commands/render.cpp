@@ -13,6 +13,7 @@
 #include "compositor/exposure_meter.h"
 #include "compositor/frame_output.h"
 #include "compositor/quality.h"
+#include "compositor/surface_picture.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/progress.h"
@@ -129,10 +130,13 @@ void render(const RenderArguments& arguments, CommandContext& context) {
     const std::unique_ptr<FrameOutput> output = open_frame_output(request, source->info(), warnings);
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
     meter_clip(solve, scene, *gl, {.strict = arguments.strict, .quiet = context.quiet}, warnings);
-    Compositor compositor(
-        *gl, scene, solve,
-        {.quality = scene.quality, .budget = budget_of_scene(scene, *gl, warnings), .layers = output->needs_layers()},
-        warnings);
+    Compositor compositor(*gl, scene, solve,
+                          {.quality = scene.quality,
+                           .budget = budget_of_scene(scene, *gl, warnings),
+                           .gathered_surface = surface_picture_of_clip(
+                               scene, solve, {.strict = arguments.strict, .quiet = context.quiet}, warnings),
+                           .layers = output->needs_layers()},
+                          warnings);
 
     const std::int64_t declared = source->info().frame_count;
     const std::int64_t end = arguments.frames.last ? *arguments.frames.last + 1 : declared;
@@ -189,10 +193,13 @@ void explain(const RenderArguments& arguments, CommandContext& context) {
     }
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
     meter_clip(solve, scene, *gl, {.strict = arguments.strict, .quiet = context.quiet}, context.warnings);
-    Compositor compositor(
-        *gl, scene, solve,
-        {.quality = scene.quality, .budget = budget_of_scene(scene, *gl, context.warnings), .timed = true},
-        context.warnings);
+    Compositor compositor(*gl, scene, solve,
+                          {.quality = scene.quality,
+                           .budget = budget_of_scene(scene, *gl, context.warnings),
+                           .gathered_surface = surface_picture_of_clip(
+                               scene, solve, {.strict = arguments.strict, .quiet = context.quiet}, context.warnings),
+                           .timed = true},
+                          context.warnings);
     // The first time compiles programs and fills the pool; the second is what a frame costs.
     compositor.composite(*plate);
     compositor.composite(std::move(*plate));

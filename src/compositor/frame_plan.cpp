@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "compositor/compositor_impl.h"
+#include "compositor/nearest_known.h"
 #include "compositor/sensor.h"
 #include "core/error.h"
 
@@ -22,14 +23,9 @@ FrameOptics Compositor::Impl::optics_of(const SolvedFrame& frame) const {
     } else if (exposed != &frame) {
         warnings.add("frames without a measured exposure take their nearest neighbour's");
     }
-    const double exposure_ev = exposed != nullptr ? *exposed->exposure_ev : 0;
-    optics.gain.setConstant(std::exp2(exposure_ev));
-    if (exposed != nullptr && exposed->white_balance) {
-        const auto& balance = *exposed->white_balance;
-        optics.gain = optics.gain.cwiseProduct(Eigen::Vector3d(balance[0], balance[1], balance[2]));
-    }
+    optics.gain = gain_near(solve, frame);
     if (frame.simulated) {
-        optics.plate_gain = std::exp2(frame.simulated->ev - exposure_ev);
+        optics.plate_gain = std::exp2(frame.simulated->ev - (exposed != nullptr ? *exposed->exposure_ev : 0));
         optics.gain *= optics.plate_gain;
         optics.white_light = frame.simulated->white;
     }

@@ -3,6 +3,7 @@
 
 #include "compositor/budget.h"
 #include "compositor/exposure_meter.h"
+#include "compositor/surface_picture.h"
 #include "scene/footage_options.h"
 #include "tracking/scene_solve.h"
 
@@ -59,7 +60,10 @@ void Shot::make_compositor() {
     Solve solve = solve_;
     context_.make_current();
     meter_clip(solve, scene, context_, {.quiet = quiet_}, warnings_);
-    const CompositorOptions options{.quality = scene.quality, .budget = budget_of_scene(scene, context_, warnings_)};
+    const CompositorOptions options{
+        .quality = scene.quality,
+        .budget = budget_of_scene(scene, context_, warnings_),
+        .gathered_surface = surface_picture_of_clip(scene, solve, {.quiet = quiet_}, warnings_)};
     compositor_ = std::make_unique<Compositor>(context_, scene, solve, options, warnings_);
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "compositor/exposure_meter.h"
+#include "compositor/surface_picture.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "media/frame_source.h"
@@ -57,6 +58,7 @@ SceneStage::SceneStage(GlContext& gl_context, const Scene& the_scene, std::optio
       probe(probe_of(scene, warnings)),
       response(effective_response(solve.response, plate->format().transfer)) {
     meter_clip(solve, scene, context, {.quiet = true}, warnings);
+    gathered_surface = surface_picture_of_clip(scene, solve, {.quiet = true}, warnings);
 }
 
 std::unique_ptr<Compositor> SceneStage::compositor(const Quality& quality, bool layers) const {
@@ -64,8 +66,9 @@ std::unique_ptr<Compositor> SceneStage::compositor(const Quality& quality, bool 
 }
 
 std::unique_ptr<Compositor> SceneStage::compositor(const Scene& changed, const Quality& quality, bool layers) const {
-    return std::make_unique<Compositor>(context, changed, solve,
-                                        CompositorOptions{.settings = quality, .layers = layers}, warnings);
+    return std::make_unique<Compositor>(
+        context, changed, solve,
+        CompositorOptions{.settings = quality, .gathered_surface = gathered_surface, .layers = layers}, warnings);
 }
 
 const SolvedFrame& SceneStage::solved() const {

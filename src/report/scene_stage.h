@@ -29,6 +29,7 @@ struct SceneStage {
     std::optional<PlateFrame> plate;  // always there
     Probe probe;                      // placed
     Response response;                // the plate's
+    std::shared_ptr<const GatheredSurface> gathered_surface;
     mutable ShaderLibrary shaders;
 
     std::unique_ptr<Compositor> compositor(const Quality& quality, bool layers) const;
