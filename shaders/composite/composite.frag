@@ -29,6 +29,12 @@ uniform sampler2D blurred_shadow;    // share of the surface's light, in plate p
 uniform ivec4 blurred_shadow_region;
 #endif
 
+#ifdef UNCLIPPED
+// Of clipped pixels: plate-linear light as other frames know it, before any gain of ours, and how well; a = 0 elsewhere.
+uniform sampler2D unclipped_light;
+uniform float clipped_code;          // from here on a code tells the light only from below
+#endif
+
 uniform vec3 gain;                   // 2^exposure · white balance: plate light of unit probe light
 uniform float plate_gain;            // 1 unless the whole picture is exposed anew
 uniform vec2 vignette;               // gain = 1 + v.x r² + v.y r⁴
@@ -88,6 +94,12 @@ void main() {
     vec3 plate_linear = code * falloff;
 #else
     vec3 plate_linear = linear_from_code(code) * plate_gain;
+#endif
+#ifdef UNCLIPPED
+    // The nearer a code is to the top, the less it says itself.
+    vec4 known = texelFetch(unclipped_light, in_region, 0);
+    vec3 share = clamp((code - clipped_code) / (1.0 - clipped_code), 0.0, 1.0) * known.a;
+    if (any(lessThan(ratio, vec3(1.0)))) plate_linear = max(plate_linear, mix(plate_linear, known.rgb * plate_gain, share));
 #endif
     vec3 linear = plate_linear * ratio * (1.0 - coverage) + virtual_light.rgb * gain * falloff;
 #ifdef NO_FOOTAGE

@@ -106,7 +106,8 @@ nlohmann::json frame_json(const CompositedFrame& frame) {
     return {{"frame", frame.plate.index()},
             {"time_s", frame.plate.time_s()},
             {"reach", {{"x", reach.x}, {"y", reach.y}, {"width", reach.width}, {"height", reach.height}}},
-            {"touched_pixels", touched}};
+            {"touched_pixels", touched},
+            {"clipped_under_shadow", frame.clipped_under_shadow}};
 }
 
 void render(const RenderArguments& arguments, CommandContext& context) {

@@ -145,16 +145,23 @@ FrameResources Compositor::Impl::resources() {
             .camera = solve.camera,
             .lens_map = lens_map,
             .quality = quality,
+            .gathered = options.gathered_surface.get(),
             .background = background ? &*background : nullptr,
             .timed = options.timed};
 }
 
 CompositedFrame Compositor::composite(PlateFrame plate) {
-    CompositedFrame result{std::move(plate), {}, {}, {}, std::nullopt};
+    CompositedFrame result{.plate = std::move(plate), .reach = {}, .code = {}, .touched = {}, .layers = std::nullopt};
     const std::optional<FramePlan> plan = impl_->plan_of(result.plate, false);
     if (!plan) return result;
     FramePasses(impl_->resources(), *plan).composite(result, impl_->options);
     check_no_gl_error(fmt::format("compositing frame {}", result.plate.index()));
+    if (result.clipped_under_shadow > 0) {
+        impl_->warnings.add(
+            fmt::format("{}: frames have clipped pixels under a shadow that no other frame shows unclipped: they are "
+                        "known only from below, and their shadow may be too dark",
+                        impl_->solve.footage_file));
+    }
     return result;
 }
 

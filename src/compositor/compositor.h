@@ -50,6 +50,7 @@ struct FrameLayers {
     ImageF coverage;      // RGB where the lens parts the channels; empty: alpha in all of them
     ImageF spill;         // RGB that the camera's effects add or take away; empty: none
     ImageF grain;         // RGB noise; empty: none
+    ImageF clipped;       // 1 channel: 1 where the plate under a shadow is known only from below; empty: nowhere
     LayerLight light;
 };
 
@@ -60,6 +61,7 @@ struct CompositedFrame {
     ImageF code;     // RGB code values over `reach`, the plate's own where nothing was touched
     Image8 touched;  // 1 channel over `reach`: 255 where the pixel changed hands
     std::optional<FrameLayers> layers;
+    std::int64_t clipped_under_shadow = 0;  // clipped plate pixels under a shadow that no other frame knows better
 
     /// The plate with the touched pixels written into its samples: for encoders. Where chroma is subsampled a touched
     /// pixel changes its whole block's chroma.

@@ -137,6 +137,9 @@ void write_exr_layers(const std::filesystem::path& path, const CompositedFrame& 
     file.add_data("coverage", {"R", "G", "B"}, coverage, "coverage of each channel");
     file.add_light("spill", layers.spill.empty() ? nothing : layers.spill, false);
     file.add_light("grain", layers.grain.empty() ? nothing : layers.grain, false);
+    const ImageF unclipped(layers.region.width, layers.region.height, 1);
+    file.add_data("clipped", {"Y"}, layers.clipped.empty() ? unclipped : layers.clipped,
+                  "1 where the plate under a shadow is clipped, and known only from below");
     file.add_data("depth", {"Z"}, layers.depth, "metres along the camera's axis, 0 = nothing").half = false;
     file.add_data("normal", {"X", "Y", "Z"}, layers.normal, "unit vector in world axes, z up");
     file.add_data("object_id", {"id"}, layers.object_id, "number of the scene's object, 0 = nothing").half = false;

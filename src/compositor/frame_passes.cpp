@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "render/effects/exposure_meter.h"
 #include "render/effects/spill.h"
+#include "tracking/plate_light.h"
 
 namespace matchlight {
 
@@ -97,6 +98,24 @@ CompositeInput FramePasses::composite_input(const ImageF& plate_code, const Regi
     input.shadow = shadow && plan_.posed ? &*shadow : nullptr;
     input.optics = plan_.optics;
     return input;
+}
+
+void FramePasses::take_unclipped(CompositeInput& input, CompositedFrame& result) {
+    if (background_ || !plan_.in_shadow || input.shadow == nullptr) return;
+    clipped_plate_ = unclip_plate(*input.plate_code, input.region, input.runs,
+                                  {.gathered = resources_.gathered,
+                                   .surface_z_m = input.shadow->surface_z_m,
+                                   .optics = plan_.optics,
+                                   .lens_map = resources_.lens_map,
+                                   .in_shadow = plan_.in_shadow});
+    result.clipped_under_shadow = clipped_plate_.bounds;
+    if (clipped_plate_.known.empty()) {
+        resources_.graph.leave_out("plate/unclipped",
+                                   "no clipped pixel under a shadow is better known by other frames");
+        return;
+    }
+    input.unclipped = &clipped_plate_.known;
+    input.clipped_code = PlateLight::clipped_code;
 }
 
 CompositeInput FramePasses::with_layer_effects(CompositeInput input) {
@@ -212,6 +231,7 @@ void FramePasses::composite_code(CompositedFrame& result) {
     CompositeInput input = composite_input(code, region, runs);
     input.least_visible_loss = half_code(result.plate.format());
     input.grain = add_grain(result, region);
+    take_unclipped(input, result);
     input = with_layer_effects(input);
     const CompositePicture picture = resources_.composite.add(graph, input);
     graph.output(picture.code);
@@ -251,6 +271,7 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
     input.light = true;
     input.layers = layers;
     input.grain = add_grain(result, region);
+    take_unclipped(input, result);
     input = with_layer_effects(input);
     const CompositePicture picture = resources_.composite.add(graph, input);
     FrameLight light = picture.light;
@@ -311,6 +332,7 @@ void FramePasses::read_layers(CompositedFrame& result, const CompositePicture& p
                        .coverage = {},
                        .spill = resources_.effects.any() ? read(shown.spill, 3) : ImageF(),
                        .grain = {},
+                       .clipped = clipped_plate_.bound,
                        .light = {.gain = plan_.optics.gain,
                                  .vignette = plan_.optics.vignette,
                                  .plate_gain = plan_.optics.plate_gain,

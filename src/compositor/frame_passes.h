@@ -7,6 +7,7 @@
 
 #include "compositor/camera_effects.h"
 #include "compositor/clip_light.h"
+#include "compositor/clipped_plate.h"
 #include "compositor/compositor.h"
 #include "compositor/layer_effects.h"
 #include "compositor/quality.h"
@@ -34,6 +35,7 @@ struct FramePlan {
     Reach reach;
     LayerEffectPlan layer_effects;
     std::optional<GrainModel> grain;
+    std::function<bool(const Eigen::AlignedBox2d&)> in_shadow;  // parts of the surface; empty: there is none
     std::vector<LeftOutEffect> left_out;
     bool posed = true;  // false: nothing virtual can be placed, and only the plate's own exposure may change
 };
@@ -55,8 +57,9 @@ struct FrameResources {
     const Camera& camera;
     const LensMap& lens_map;
     const Quality& quality;
-    const Background* background = nullptr;  // of a scene without footage
-    bool timed = false;                      // see RenderGraph::run
+    const GatheredSurface* gathered = nullptr;  // what the clip shows of the surface
+    const Background* background = nullptr;     // of a scene without footage
+    bool timed = false;                         // see RenderGraph::run
 };
 
 class FramePasses {
@@ -88,6 +91,8 @@ private:
     ImageF decoded_plate(const PlateFrame& plate, const Region& region, const std::vector<Region>& runs) const;
     /// Reads code values back as the result's picture.
     void take_picture(CompositedFrame& result, GraphTexture code, const std::vector<Region>& runs) const;
+    /// What other frames know of clipped plate pixels under the shadow.
+    void take_unclipped(CompositeInput& input, CompositedFrame& result);
     GraphTexture add_background();
     /// Of what is infinitely far away; nullopt where it is sharp.
     std::optional<EvenDisc> background_disc();
@@ -109,6 +114,7 @@ private:
     const FramePlan& plan_;
     VirtualLayer layer_;
     GraphTexture layer_drawn_;
+    ClippedPlate clipped_plate_;
     GraphTexture background_;  // empty where there is footage
 };
 

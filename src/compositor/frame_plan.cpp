@@ -244,6 +244,7 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
     }
     if (plan.posed) {
         plan.reach = reach_of(*solved.camera_from_world, format, plan.object_bounds, plan.layer_effects);
+        plan.in_shadow = shadow_reach(format).in;
     }
     if (whole_frame)
         plan.reach = {.runs = {{0, 0, camera.width, camera.height}}, .bounds = {0, 0, camera.width, camera.height}};

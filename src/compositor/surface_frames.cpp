@@ -14,6 +14,8 @@ namespace {
 constexpr double largest_code = 65535;  // of Image16
 /// No surface is quite matt, and exposures are known to a few hundredths.
 constexpr double model_deviation = 0.05;
+/// Of where a frame's pose and lens put a point: what solves of clips reach, with margin.
+constexpr double pose_deviation_px = 0.2;
 
 }  // namespace
 
@@ -105,9 +107,9 @@ bool SurfaceFrame::add_taps(const Eigen::Vector2d& pixel, SurfaceSample& sum) co
         const double code = *std::ranges::max_element(codes);
         const double step = most - clip_.light.light_from_code(static_cast<float>(code - clip_.code_step), c);
         const double gain = gain_[c] * falloff;
-        const double half_contrast = (most - least) / 2;
+        const double displaced = pose_deviation_px * (most - least);
         const double variance =
-            noise[0] * noise[0] + noise[1] * std::max(seen, 0.0) + step * step + half_contrast * half_contrast;
+            noise[0] * noise[0] + noise[1] * std::max(seen, 0.0) + step * step + displaced * displaced;
         sum.radiance[channel] += seen / gain;
         sum.deviation[channel] += variance / (gain * gain);
     }

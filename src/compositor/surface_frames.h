@@ -24,7 +24,7 @@ std::vector<const SolvedFrame*> spread_frames(const Solve& solve, int most);
 /// What one frame says of the light of a point.
 struct SurfaceSample {
     std::array<double, 3> radiance{};   // probe units; of a clipped channel the bound from below
-    std::array<double, 3> deviation{};  // standard: of noise, of a pose off by half a pixel, and of the light's model
+    std::array<double, 3> deviation{};  // standard: of noise, of the pose, and of the light's model
     std::array<bool, 3> clipped{};
     double weight = 0;
 };

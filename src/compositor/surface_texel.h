@@ -15,8 +15,8 @@ struct SurfaceTexel {
 };
 
 /// The weighted mean of the frames that agree with the weighted median: what passes over the surface in fewer of them
-/// is left out, and where there is no majority little is known. Clipped channels count where no other frame is
-/// unclipped, and as bounds that the others should not lie below. No samples: unknown.
+/// is left out, and where there is no majority little is known. A clipped channel is a bound that the light should not
+/// lie below, and stands for it where no frame says more. No samples: unknown.
 SurfaceTexel agreed_texel(std::span<const SurfaceSample> samples);
 
 }  // namespace matchlight

@@ -103,9 +103,9 @@ GraphTexture CompositePass::add_upload(RenderGraph& graph, const char* name, con
                                        const std::vector<Region>& runs) {
     double pixels = 0;
     for (const Region& run : runs) pixels += static_cast<double>(run.width) * run.height;
-    constexpr double bytes_a_pixel = 3 * sizeof(float);
+    const double bytes_a_pixel = code.channels() * sizeof(float);
     return graph.add_pass({.name = name,
-                           .writes = {GL_RGB32F},
+                           .writes = {code.channels() == 4 ? GLenum{GL_RGBA32F} : GLenum{GL_RGB32F}},
                            .region = region,
                            .raster = false,
                            .bytes = pixels * bytes_a_pixel,
@@ -217,7 +217,13 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
                    .reads = {{plate}, {input.layer_drawn}, {blurred.light}, {blurred.shadow}, {blurred.coverage}},
                    .writes = {GL_RGBA32F},
                    .region = input.region};
+    GraphTexture unclipped;
+    if (input.unclipped != nullptr) {
+        unclipped = add_upload(graph, "plate/unclipped", *input.unclipped, input.region, input.runs);
+        pass.reads.push_back({unclipped});
+    }
     ShaderDefines defines = layer_defines(input);
+    if (unclipped) defines["UNCLIPPED"] = "1";
     if (blurred.light) defines["BLURRED_LAYER"] = "1";
     if (blurred.shadow) defines["BLURRED_SHADOW"] = "1";
     if (blurred.coverage) defines["CHANNEL_COVERAGE"] = "1";
@@ -238,7 +244,7 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
         defines["PLATE_SHARE"] = std::to_string(pass.writes.size());
         pass.writes.push_back(GL_RGBA32F);
     }
-    pass.draw = [this, input, plate, defines](PassRun& run) {
+    pass.draw = [this, input, plate, unclipped, defines](PassRun& run) {
         if (input.light) {
             // Effects look at the whole region; between the runs nothing was added or taken away.
             for (const int target : {0, 1}) run.target().clear_color(target, 0, 0, 0, 0);
@@ -250,6 +256,10 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
         run.bind(program, "blurred_layer", 10, input.blurred.light);
         run.bind(program, "blurred_shadow", 11, input.blurred.shadow);
         run.bind(program, "channel_coverage", 13, input.blurred.coverage);
+        if (unclipped) {
+            run.bind(program, "unclipped_light", 16, unclipped);
+            program.set("clipped_code", input.clipped_code);
+        }
         if (input.grain && !input.light) set_grain(run, program, 12, *input.grain);
         draw_runs(run, program, input.region, input.runs);
     };

@@ -33,13 +33,15 @@ struct FrameOptics {
 };
 
 struct CompositeInput {
-    const ImageF* plate_code = nullptr;     // RGB code values over `region`; read by run()
-    Region region;                          // what the images cover
-    std::vector<Region> runs;               // the parts of it to draw, in plate pixels
-    const VirtualLayer* layer = nullptr;    // read by run(), after `layer_drawn`; null: nothing in view
-    GraphTexture layer_drawn;               // what the layer's pass provides
-    PlateLayer blurred;                     // what lens and shutter made of layer and shadow
-    GraphTexture background;                // plate-linear RGB over the whole frame in place of a plate
+    const ImageF* plate_code = nullptr;   // RGB code values over `region`; read by run()
+    Region region;                        // what the images cover
+    std::vector<Region> runs;             // the parts of it to draw, in plate pixels
+    const VirtualLayer* layer = nullptr;  // read by run(), after `layer_drawn`; null: nothing in view
+    GraphTexture layer_drawn;             // what the layer's pass provides
+    PlateLayer blurred;                   // what lens and shutter made of layer and shadow
+    const ImageF* unclipped = nullptr;    // of clipped pixels, RGBA over `region`: light, how well known; read by run()
+    double clipped_code = 1;              // from here on a code of the plate is clipped
+    GraphTexture background;              // plate-linear RGB over the whole frame in place of a plate
     const ContactShadow* shadow = nullptr;  // null: no shadow, which is a ratio of 1
     FrameOptics optics;
     double least_visible_loss = 0;         // a shadow that takes less leaves the pixel the plate's
