@@ -59,6 +59,8 @@ std::vector<StabilityCase> tag_pose_cases(bool quick);
 std::vector<StabilityCase> exposure_cases();
 /// Probes from photographs of a mirror ball: on the CPU.
 std::vector<StabilityCase> ball_cases(bool quick);
+/// The picture of the real surface from the clip: on the CPU.
+std::vector<StabilityCase> surface_picture_cases();
 /// All of them; `quick` leaves out most of the slow ones.
 std::vector<StabilityCase> stability_cases(bool quick = false);
 

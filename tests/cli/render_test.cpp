@@ -214,6 +214,27 @@ TEST_F(RenderTest, ExrHoldsLinearLightAndEveryLayer) {
     EXPECT_GT(shaded, 2000);
 }
 
+TEST_F(RenderTest, GathersTheSurfaceAndMakesADamagedFileAgain) {
+    const fs::path gathered = shot_ / "table.surface.exr";
+    const fs::path first = scratch_ / "first_%03d.png", second = scratch_ / "second_%03d.png";
+    const RunResult run = render(first, {"--frames", "5-5", "--level", "preview", "--json"});
+    ASSERT_TRUE(succeeded(run));
+    EXPECT_EQ(nlohmann::json::parse(run.standard_output)["frames"][0]["clipped_under_shadow"], 0);
+    ASSERT_TRUE(fs::exists(gathered));
+    const std::string made = bytes_of(gathered);
+
+    // The clip looks at the table in every frame; the rest of the rectangle is what it never saw.
+    const ImageF picture = read_exr_part(gathered, "radiance", {"R", "G", "B", "A"});
+    std::int64_t known = 0;
+    for (std::size_t i = 3; i < picture.samples().size(); i += 4) known += picture.samples()[i] > 0.5f ? 1 : 0;
+    EXPECT_GT(known, static_cast<std::int64_t>(picture.width()) * picture.height() / 4);
+
+    fs::resize_file(gathered, made.size() / 2);
+    ASSERT_TRUE(succeeded(render(second, {"--frames", "5-5", "--level", "preview"})));
+    EXPECT_EQ(bytes_of(gathered), made);
+    EXPECT_EQ(bytes_of(numbered(first, 5)), bytes_of(numbered(second, 5)));
+}
+
 TEST_F(RenderTest, AFrameWithoutAPoseIsThePlate) {
     const fs::path solve = shot_ / "table.solve.json";
     nlohmann::json json = nlohmann::json::parse(bytes_of(solve));
