@@ -136,7 +136,8 @@ void render(const RenderArguments& arguments, CommandContext& context) {
                            .budget = budget_of_scene(scene, *gl, warnings),
                            .gathered_surface = surface_picture_of_clip(
                                scene, solve, {.strict = arguments.strict, .quiet = context.quiet}, warnings),
-                           .layers = output->needs_layers()},
+                           .layers = output->needs_layers(),
+                           .exchange = output->needs_exchange()},
                           warnings);
 
     const std::int64_t declared = source->info().frame_count;

@@ -41,6 +41,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
       lens_map(make_lens_map(solve.camera)),
       effects(shaders, scene.effects, quality, solve.camera) {
     load_objects(scene, warnings);
+    for (const ObjectSettings& object : scene.objects) object_names.push_back(object.name);
     light.emplace(shaders, surfaces, scene, quality, warnings);
     if (scene.camera) {
         virtual_fps = scene.camera->fps;
@@ -190,6 +191,22 @@ ImageF Compositor::meter_map(const PlateFrame& plate) {
 std::vector<PassReport> Compositor::reports() const {
     impl_->context.make_current();
     return impl_->graph.reports();
+}
+
+std::vector<NamedPart> Compositor::parts() const {
+    // Objects of one name are told apart by their place in the scene.
+    std::vector<std::string> names;
+    for (const std::string& name : impl_->object_names) {
+        std::string own = name;
+        for (int next = 2; std::ranges::find(names, own) != names.end(); ++next) own = fmt::format("{} {}", name, next);
+        names.push_back(std::move(own));
+    }
+    std::vector<NamedPart> parts;
+    for (const SurfacePart& part : impl_->surfaces.parts()) {
+        const std::string& object = names.at(part.object);
+        parts.push_back({object, part.material.empty() ? object : part.material});
+    }
+    return parts;
 }
 
 ImageF Compositor::virtual_layer_code(const CompositedFrame& frame) const {

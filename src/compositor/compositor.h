@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -52,6 +53,9 @@ struct FrameLayers {
     ImageF grain;         // RGB noise; empty: none
     ImageF clipped;       // 1 channel: 1 where the plate under a shadow is known only from below; empty: nowhere
     LayerLight light;
+    // With CompositorOptions::exchange; else empty.
+    ImageF motion;  // 4 channels, pixels to the right and up: to the next frame, to the previous one
+    ImageF parts;   // 16 channels: part (an index into Compositor::parts(), from 1; 0 = none), coverage, eight times
 };
 
 /// The plate as it came, and what is new in it.
@@ -78,8 +82,15 @@ struct CompositorOptions {
     // What the clip shows of the real surface (compositor/surface_picture.h); null: nothing.
     std::shared_ptr<const GatheredSurface> gathered_surface = {};
     bool layers = false;    // also return FrameLayers
+    bool exchange = false;  // and in them motion vectors and parts
     bool leave_out = true;  // false: draw what could be left out, too; the result is the same, bit for bit
     bool timed = false;     // time every pass, for reports(); waits for the GPU at each
+};
+
+/// A part of an object, by the names that other programs are told.
+struct NamedPart {
+    std::string object;    // unlike any other object's
+    std::string material;  // the same for all parts of that material
 };
 
 class Compositor {
@@ -117,6 +128,9 @@ public:
 
     /// What the budget chose, for every frame of the clip; nullopt without a budget.
     const std::optional<LevelChoice>& level_choice() const;
+
+    /// What mattes can be asked for, by the numbers that FrameLayers::parts has.
+    std::vector<NamedPart> parts() const;
 
     /// The objects on the GPU, for the report: it holds what is drawn of them against references.
     SurfaceRenderer& surfaces();

@@ -58,6 +58,7 @@ struct Compositor::Impl {
     Quality quality;
     Warnings& warnings;
     std::optional<double> virtual_fps;  // of a scene without footage
+    std::vector<std::string> object_names;
     ShaderLibrary shaders;
     SurfaceRenderer surfaces;
     std::optional<SceneObjects> scene_objects;

@@ -2,12 +2,14 @@
 #include "compositor/exr_layers.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compositor/cryptomatte.h"
 #include "core/version.h"
 #include "media/image_io.h"
 
@@ -101,6 +103,16 @@ FrameLayers no_layers() {
     return none;
 }
 
+std::array<Cryptomatte, 2> cryptomattes_of(const FrameLayers& layers, const std::vector<NamedPart>& parts) {
+    std::vector<std::string> objects, materials;
+    for (const NamedPart& part : parts) {
+        objects.push_back(part.object);
+        materials.push_back(part.material);
+    }
+    return {make_cryptomatte("CryptoObject", objects, layers.parts, layers.alpha),
+            make_cryptomatte("CryptoMaterial", materials, layers.parts, layers.alpha)};
+}
+
 }  // namespace
 
 void write_exr_layers(const std::filesystem::path& path, const CompositedFrame& frame, const Compositor& compositor,
@@ -142,8 +154,20 @@ void write_exr_layers(const std::filesystem::path& path, const CompositedFrame& 
                   "1 where the plate under a shadow is clipped, and known only from below");
     file.add_data("depth", {"Z"}, layers.depth, "metres along the camera's axis, 0 = nothing").half = false;
     file.add_data("normal", {"X", "Y", "Z"}, layers.normal, "unit vector in world axes, z up");
+    const ImageF still(layers.region.width, layers.region.height, 4);
+    file.add_data("motion", {"forward.u", "forward.v", "backward.u", "backward.v"},
+                  layers.motion.empty() ? still : layers.motion,
+                  "pixels to the right and up, from here to where it is in the next and in the previous frame")
+        .half = false;
     file.add_data("object_id", {"id"}, layers.object_id, "number of the scene's object, 0 = nothing").half = false;
-    write_exr(path, format.width, format.height, file.parts(), metadata_of(frame, origin));
+    // Programs look for the names of mattes in one part or another, so all of them have them.
+    ImageMetadata metadata = metadata_of(frame, origin);
+    const std::array<Cryptomatte, 2> mattes = cryptomattes_of(layers, compositor.parts());
+    for (const Cryptomatte& matte : mattes) {
+        file.add_data(matte.layer.c_str(), matte.channels, matte.ranks, "Cryptomatte: id, coverage").half = false;
+        metadata.insert(matte.metadata.begin(), matte.metadata.end());
+    }
+    write_exr(path, format.width, format.height, file.parts(), metadata);
 }
 
 }  // namespace matchlight

@@ -16,7 +16,8 @@ struct ExrOrigin {
     std::string provenance;  // effective scene, version
 };
 
-/// Parts beauty, plate, shadow, alpha, virtual, coverage, spill, grain, clipped, depth, normal, object_id, of which
+/// Parts beauty, plate, shadow, alpha, virtual, coverage, spill, grain, clipped, depth, normal, motion, object_id,
+/// CryptoObject, CryptoMaterial, of which
 ///     beauty = plate · shadow · (1 − coverage) + virtual + spill + grain
 /// in camera-linear light, and the code values of a picture are response(tone(beauty)). Each part's header says its
 /// unit, and how its light goes with the probe's. Throws InputError.

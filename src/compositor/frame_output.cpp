@@ -89,6 +89,7 @@ public:
     using PictureOutput::PictureOutput;
 
     bool needs_layers() const override { return true; }
+    bool needs_exchange() const override { return true; }
 
     void write(const CompositedFrame& frame, const Compositor& compositor) override {
         write_exr_layers(path_of(frame), frame, compositor,

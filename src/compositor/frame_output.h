@@ -35,6 +35,8 @@ public:
     virtual void finish() = 0;
     /// Whether frames must be composited with their layers.
     virtual bool needs_layers() const = 0;
+    /// And whether motion vectors and parts must be among them.
+    virtual bool needs_exchange() const { return false; }
 };
 
 /// Checks that the output can be written before any work is done. Throws InputError.

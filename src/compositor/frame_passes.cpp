@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "compositor/exchange.h"
 #include "core/parallel.h"
 #include "render/effects/exposure_meter.h"
 #include "render/effects/spill.h"
@@ -34,6 +35,13 @@ ImageF channels_of(const ImageF& image, int first, int count) {
         }
     }
     return part;
+}
+
+void put_channels(ImageF& image, int first, const ImageF& part) {
+    for (int y = 0; y < image.height(); ++y) {
+        for (int x = 0; x < image.width(); ++x)
+            std::copy_n(part.pixel(x, y), part.channels(), image.pixel(x, y) + first);
+    }
 }
 
 /// Takes over what was read back (RGB, a = 1 where touched), for a result that covers `region` or more.
@@ -290,6 +298,11 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
                                                   .grain = input.grain,
                                                   .plate_share = picture.plate_share});
     graph.output(shown.code);
+    if (layers && plan_.neighbours && layer_drawn_) {
+        exchange_ = add_exchange_layers(graph, resources_.shaders, resources_.composite, input);
+        graph.output(exchange_->motion);
+        for (const GraphTexture parts : exchange_->parts) graph.output(parts);
+    }
     GraphTexture tiles;
     if (!layers && !background_) {
         tiles = add_spill_tiles(graph, resources_.shaders, spill, Reach::tile_px);
@@ -336,7 +349,9 @@ void FramePasses::read_layers(CompositedFrame& result, const CompositePicture& p
                        .light = {.gain = plan_.optics.gain,
                                  .vignette = plan_.optics.vignette,
                                  .plate_gain = plan_.optics.plate_gain,
-                                 .white_light = plan_.optics.white_light}};
+                                 .white_light = plan_.optics.white_light},
+                       .motion = {},
+                       .parts = {}};
     if (const GraphTexture coverage = input.blurred.coverage) {
         // Only where objects are; elsewhere it is none.
         const Region covered = graph.shape(coverage).region.intersected(region);
@@ -349,6 +364,11 @@ void FramePasses::read_layers(CompositedFrame& result, const CompositePicture& p
         }
     }
     if (input.grain) layers.grain = noise_of(layers);
+    if (exchange_) {
+        layers.motion = motion_px(read(exchange_->motion, 4), region, resources_.camera, resources_.lens_map);
+        layers.parts = ImageF(region.width, region.height, 16);
+        for (int i = 0; i < 4; ++i) put_channels(layers.parts, 4 * i, read(exchange_->parts[i], 4));
+    }
     result.layers = std::move(layers);
 }
 

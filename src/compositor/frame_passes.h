@@ -1,6 +1,7 @@
 // The passes of one frame: from what virtual things can reach to pictures that are read back.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -16,6 +17,7 @@
 #include "render/background.h"
 #include "render/composite_pass.h"
 #include "render/effects/grain.h"
+#include "render/exchange_layers.h"
 #include "render/graph.h"
 #include "render/surface.h"
 #include "render/surface_accumulator.h"
@@ -37,6 +39,7 @@ struct FramePlan {
     std::optional<GrainModel> grain;
     std::function<bool(const Eigen::AlignedBox2d&)> in_shadow;  // parts of the surface; empty: there is none
     std::vector<LeftOutEffect> left_out;
+    std::optional<FrameShutter> neighbours;  // with CompositorOptions::exchange: where the frames beside it are
     bool posed = true;  // false: nothing virtual can be placed, and only the plate's own exposure may change
 };
 
@@ -83,8 +86,12 @@ private:
     /// From every point of the lens and at every time that the layer is drawn at: once, unless defocus or motion blur
     /// is drawn that way.
     SurfacePicture draw_surface(const SurfaceView& view, const PinholeView& pinhole);
-    /// How objects move over the layer.
-    void draw_ways(const SurfaceView& view);
+    /// How objects move over the layer, between two times in frames from the middle of the exposure.
+    const Texture2D* draw_ways(const SurfaceView& view, const FrameShutter& shutter, std::array<double, 2> times,
+                               WayPicture picture);
+    /// Between the opening of the shutter and its closing.
+    void draw_shutter_ways(const SurfaceView& view);
+    void draw_exchange(const SurfaceView& view);
     /// Adds what lens and shutter do to the layer to the composite's input.
     CompositeInput with_layer_effects(CompositeInput input);
     /// Decoded in the runs alone; empty without footage.
@@ -116,6 +123,7 @@ private:
     GraphTexture layer_drawn_;
     ClippedPlate clipped_plate_;
     GraphTexture background_;  // empty where there is footage
+    std::optional<ExchangeLayers> exchange_;
 };
 
 /// Half a code value of the footage's depth, as a share of the brightest code. Response curves are steepest in relative

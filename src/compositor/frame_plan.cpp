@@ -235,6 +235,7 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
     if (plan.posed) place_objects(solved);
     plan.optics = optics_of(solved);
     plan.layer_effects = layer_effects_of(solved, plan.optics);
+    if (options.exchange && plan.posed) plan.neighbours.emplace(solve, solved, 0.0, 1 / virtual_fps.value_or(25));
     if (plan.posed) {
         plan_surface_defocus(plan, format);
         plan_sensor(plan);

@@ -79,7 +79,8 @@ GraphTexture FramePasses::add_surface(bool layers) {
                             layer_.transparent =
                                 resources_.surfaces.draw_transparent(lit.environment(), view, lit.shading());
                         }
-                        if (plan_.layer_effects.gathers_motion()) draw_ways(view);
+                        if (plan_.layer_effects.gathers_motion()) draw_shutter_ways(view);
+                        if (plan_.neighbours) draw_exchange(view);
                         if (!layers) return;
                         const SurfacePicture geometry = resources_.surfaces.draw_layers(view);
                         layer_.picture.depth_m = geometry.depth_m;
@@ -186,19 +187,30 @@ SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeV
     return sum.picture();
 }
 
-void FramePasses::draw_ways(const SurfaceView& view) {
-    const FrameShutter& shutter = plan_.layer_effects.motion->shutter;
-    const double half_share = shutter.share() / 2;
+const Texture2D* FramePasses::draw_ways(const SurfaceView& view, const FrameShutter& shutter,
+                                        std::array<double, 2> times, WayPicture picture) {
     std::vector<ObjectWay> ways;
     for (std::size_t object = 0; object < resources_.surfaces.object_count(); ++object) {
         const auto camera_from_model = [&](double time) -> Eigen::Matrix4d {
             return shutter.camera_from_world(time).matrix() *
                    resources_.objects.world_from_model(object, shutter.time(time));
         };
-        ways.push_back({.opening_camera_from_model = camera_from_model(-half_share),
-                        .closing_camera_from_model = camera_from_model(half_share)});
+        ways.push_back({.opening_camera_from_model = camera_from_model(times[0]),
+                        .closing_camera_from_model = camera_from_model(times[1])});
     }
-    layer_.ways = &resources_.surfaces.draw_ways(view, ways);
+    return &resources_.surfaces.draw_ways(view, ways, picture);
+}
+
+void FramePasses::draw_shutter_ways(const SurfaceView& view) {
+    const FrameShutter& shutter = plan_.layer_effects.motion->shutter;
+    const double half_share = shutter.share() / 2;
+    layer_.ways = draw_ways(view, shutter, {-half_share, half_share}, WayPicture::shutter);
+}
+
+void FramePasses::draw_exchange(const SurfaceView& view) {
+    layer_.way_to_next = draw_ways(view, *plan_.neighbours, {0, 1}, WayPicture::to_next);
+    layer_.way_to_previous = draw_ways(view, *plan_.neighbours, {0, -1}, WayPicture::to_previous);
+    layer_.parts = &resources_.surfaces.draw_parts(view);
 }
 
 }  // namespace matchlight

@@ -168,6 +168,7 @@ void SurfaceRenderer::draw_mesh(Program& program, const SurfaceView& view, const
         !material.factors.double_sided || (material.factors.alpha_mode == AlphaMode::opaque &&
                                            mesh.geometry.is_closed() && !enters(view, object.bounds_of(mesh)));
     material.bind(program);
+    program.set("material_index", static_cast<double>(mesh.material));
     // A mirroring placement turns the triangles' winding round.
     glFrontFace(object.world_from_model.topLeftCorner<3, 3>().determinant() < 0 ? GL_CW : GL_CCW);
     if (hides_back) {
@@ -353,21 +354,54 @@ SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
             .object_id = &targets_->layer_id};
 }
 
-const Texture2D& SurfaceRenderer::draw_ways(const SurfaceView& view, std::span<const ObjectWay> ways) {
+const Texture2D& SurfaceRenderer::draw_ways(const SurfaceView& view, std::span<const ObjectWay> ways,
+                                            WayPicture picture) {
     assert(view.width > 0 && view.height > 0 && ways.size() == objects_.size());
-    Targets::fit(targets_->ways, view, GL_RGBA32F);
+    Targets::ColorAndDepth& drawn = targets_->ways.at(static_cast<std::size_t>(picture));
+    Targets::fit(drawn, view, GL_RGBA32F);
     Program& program = shaders_.program(
         {{GL_VERTEX_SHADER, "effects/motion_blur/ways.vert"}, {GL_FRAGMENT_SHADER, "effects/motion_blur/ways.frag"}});
     program.use();
     program.set("near_m", near_plane_m);
     const Region region{0, 0, view.width, view.height};
-    begin_drawing(targets_->ways.target, region, 1);
+    begin_drawing(drawn.target, region, 1);
     draw_meshes(program, view, Drawn::ways, [&](std::size_t index) {
         const ObjectWay& way = ways[index];
         program.set("opening_camera_from_model", Eigen::Matrix4f(way.opening_camera_from_model.cast<float>()));
         program.set("closing_camera_from_model", Eigen::Matrix4f(way.closing_camera_from_model.cast<float>()));
     });
-    return targets_->ways.color;
+    return drawn.color;
+}
+
+std::vector<SurfacePart> SurfaceRenderer::parts() const {
+    std::vector<SurfacePart> parts;
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+        for (const SurfaceMaterial& material : objects_[i].materials) parts.push_back({i, material.factors.name});
+    }
+    return parts;
+}
+
+const Texture2D& SurfaceRenderer::draw_parts(const SurfaceView& view) {
+    assert(view.width > 0 && view.height > 0);
+    // What lets light through is told by how many samples it takes.
+    constexpr int of_opacity = 4;
+    const int samples = std::min(any_blends() ? std::max(view.samples, of_opacity) : view.samples,
+                                 current_gl_context()->info().max_samples);
+    Targets::fit(targets_->parts, view, GL_R32F, samples);
+    Program& program =
+        shaders_.program({{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/parts.frag"}});
+    program.use();
+    program.set("sample_count", samples);
+    begin_drawing(targets_->parts.target, {0, 0, view.width, view.height}, 1);
+    std::size_t first_part = 1;
+    std::vector<std::size_t> first_parts;
+    for (const Object& object : objects_) {
+        first_parts.push_back(first_part);
+        first_part += object.materials.size();
+    }
+    draw_meshes(program, view, Drawn::layers,
+                [&](std::size_t index) { program.set("first_part", static_cast<double>(first_parts[index])); });
+    return targets_->parts.color;
 }
 
 void SurfaceRenderer::bake_visibility(Program& program) {

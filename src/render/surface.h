@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -73,6 +74,15 @@ struct SurfacePicture {
     const Texture2D* normal = nullptr;     // world, unit length, w = 1; zero where nothing is; RGBA16F
     const Texture2D* object_id = nullptr;  // 0 where nothing is; R32UI
 };
+
+/// What a matte can be asked for: what one object has of one material.
+struct SurfacePart {
+    std::size_t object = 0;  // its index
+    std::string material;    // its name in the model; empty where it has none
+};
+
+/// Of what draw_ways() draws, each with a picture of its own.
+enum class WayPicture { shutter, to_next, to_previous };
 
 /// Where an object's points are when the shutter opens and closes.
 struct ObjectWay {
@@ -148,8 +158,15 @@ public:
 
     /// How what is nearest in each pixel moves, one way for each object: normalised camera coordinates (x/z, y/z) at
     /// the shutter's closing less those at its opening, the object's id, 1/z (1/m); all 0 where nothing is. RGBA32F;
-    /// the picture is the top-left part, and holds until the next call.
-    const Texture2D& draw_ways(const SurfaceView& view, std::span<const ObjectWay> ways);
+    /// the picture is the top-left part, and holds until the next call for the same one.
+    const Texture2D& draw_ways(const SurfaceView& view, std::span<const ObjectWay> ways,
+                               WayPicture picture = WayPicture::shutter);
+
+    /// In the order of their numbers, which begin at 1.
+    std::vector<SurfacePart> parts() const;
+    /// The part that each sample sees, 0 where there is none; a blended one is seen in as many samples as it has
+    /// opacity. Multisampled R32F: the samples that draw() draws of `view`, or more of them where something blends.
+    const Texture2D& draw_parts(const SurfaceView& view);
 
     /// Runs a compute program over the vertices of every mesh, to keep what it finds of their light with them (see
     /// render/effects/object_shadow.h). Sets `world_from_model` and `normal_from_model` for each object.

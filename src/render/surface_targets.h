@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 
 #include "gl/framebuffer.h"
 #include "gl/objects.h"
@@ -26,7 +27,9 @@ struct SurfaceRenderer::Targets {
     Framebuffer multisampled;
     Texture2D color, depth;  // depth only where nothing is multisampled
     Framebuffer resolved;
-    ColorAndDepth hidden, ways;
+    ColorAndDepth hidden;
+    std::array<ColorAndDepth, 3> ways;  // by WayPicture
+    ColorAndDepth parts;                // multisampled
     Texture2D transparent_color;
     WithFocus focused, hidden_focused, transparent;
     Texture2D layer_depth_m, layer_normal, layer_id, layer_depth;
@@ -94,9 +97,10 @@ struct SurfaceRenderer::Targets {
         focused = {.focus_share = Texture2D(shape), .target = {}, .color = color.name(), .depth = depth.name()};
         focused.target = Framebuffer({color, focused.focus_share}, depth);
     }
-    static void fit(ColorAndDepth& pair, const SurfaceView& view, GLenum format) {
-        if (holds(pair.color, view, 0)) return;
+    static void fit(ColorAndDepth& pair, const SurfaceView& view, GLenum format, int samples = 0) {
+        if (holds(pair.color, view, samples)) return;
         TextureShape shape = shape_for(pair.color, view);
+        shape.samples = samples;
         shape.format = format;
         pair.color = Texture2D(shape);
         shape.format = depth_format;

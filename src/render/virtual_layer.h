@@ -21,6 +21,10 @@ struct VirtualLayer {
     int whole_density = 0;                  // of its pixels along a plate pixel where that is all of them, else 0
     Eigen::Vector2i first_pixel{0, 0};      // then: the plate pixel in its corner
     const Texture2D* ways = nullptr;        // SurfaceRenderer::draw_ways; null unless motion is gathered
+    // For other programs; null unless asked for.
+    const Texture2D* way_to_next = nullptr;  // SurfaceRenderer::draw_ways from this frame to its neighbours
+    const Texture2D* way_to_previous = nullptr;
+    const Texture2D* parts = nullptr;  // SurfaceRenderer::draw_parts
 };
 
 /// The same in plate pixels, after what lens and shutter do to it. Where a texture is empty the composite works it out

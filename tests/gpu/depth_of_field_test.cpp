@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "gl_fixture.h"
+#include "glass_model.h"
 #include "report/lens_cards.h"
 
 namespace matchlight {
@@ -196,51 +197,8 @@ TEST_F(DepthOfFieldTest, GatherFollowsTheFocusOfAnObjectAsLensSamplesDo) {
     EXPECT_NEAR(pictures[0].at(48, 32, 3), 0.5, 0.1);
 }
 
-/// A square of 2 m, upright, that lets `1 − alpha` of the light through; gone with the test.
-class GlassModel {
-public:
-    explicit GlassModel(double alpha)
-        : path_(std::filesystem::temp_directory_path() / fmt::format("matchlight_glass_{}.gltf", getpid())) {
-        // Positions of four corners, indices of two triangles.
-        const std::string buffer =
-            "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAACAPwAA"
-            "gD8AAAAAAACAvwAAgD8AAAAAAAABAAIAAAACAAMA";
-        const nlohmann::json gltf = {
-            {"asset", {{"version", "2.0"}}},
-            {"scene", 0},
-            {"scenes", {{{"nodes", {0}}}}},
-            {"nodes", {{{"mesh", 0}}}},
-            {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"indices", 1}, {"material", 0}}}}}}},
-            {"materials",
-             {{{"alphaMode", "BLEND"},
-               {"doubleSided", true},
-               {"emissiveFactor", {0, 0, 1}},
-               {"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, alpha}}, {"metallicFactor", 0}}}}}},
-            {"buffers", {{{"byteLength", 60}, {"uri", "data:application/octet-stream;base64," + buffer}}}},
-            {"bufferViews",
-             {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 48}},
-              {{"buffer", 0}, {"byteOffset", 48}, {"byteLength", 12}}}},
-            {"accessors",
-             {{{"bufferView", 0},
-               {"componentType", 5126},
-               {"count", 4},
-               {"type", "VEC3"},
-               {"min", {-1, -1, 0}},
-               {"max", {1, 1, 0}}},
-              {{"bufferView", 1}, {"componentType", 5123}, {"count", 6}, {"type", "SCALAR"}}}}};
-        std::ofstream(path_) << gltf;
-    }
-    ~GlassModel() { std::filesystem::remove(path_); }
-    GlassModel(const GlassModel&) = delete;
-    GlassModel& operator=(const GlassModel&) = delete;
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
-};
-
 TEST_F(DepthOfFieldTest, GatherBlursWhatLetsLightThroughAtItsOwnDepth) {
-    const GlassModel glass(0.4);
+    const test::GlassModel glass(0.4);
     // The glass stands before a card, beside which it shows the plate; either is in focus.
     for (const double focus_m : {1.0, 2.0}) {
         const ThinLensView view{.width = 65,
