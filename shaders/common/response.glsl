@@ -30,10 +30,15 @@ float code_from_linear(float linear, int channel) {
     return (float(index) + (linear - below) / (above - below)) / float(last);
 }
 
+// Light within is Rec.709's; the footage's codes are of primaries of their own (core/primaries.h).
+uniform mat3 rec709_from_footage = mat3(1.0);
+uniform mat3 footage_from_rec709 = mat3(1.0);
+
 vec3 linear_from_code(vec3 code) {
-    return vec3(linear_from_code(code.r, 0), linear_from_code(code.g, 1), linear_from_code(code.b, 2));
+    return rec709_from_footage * vec3(linear_from_code(code.r, 0), linear_from_code(code.g, 1), linear_from_code(code.b, 2));
 }
 
-vec3 code_from_linear(vec3 linear) {
+vec3 code_from_linear(vec3 rec709) {
+    vec3 linear = footage_from_rec709 * rec709;
     return vec3(code_from_linear(linear.r, 0), code_from_linear(linear.g, 1), code_from_linear(linear.b, 2));
 }

@@ -46,7 +46,8 @@ void main() {
         vec2 position = (vec2(target_texel()) + 0.5) / float(spill_scale) - 0.5;
         vec3 spilled = linear_in_frame(spill, spill_region, spill_frame, position).rgb;
         lit = any(notEqual(spilled, vec3(0.0))) && (touched || any(greaterThanEqual(abs(spilled), vec3(least_visible_light))));
-        if (lit) linear = max(linear + spilled, vec3(0.0));
+        // Spilled shade leaves no less than nothing; colours beyond Rec.709's are below it by themselves.
+        if (lit) linear = max(linear + spilled, min(linear, vec3(0.0)));
     }
     if (!touched && !lit) {
         composited_code = vec4(code, 0.0);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <Eigen/Core>
 #include <fmt/format.h>
 
 #include "compositor/compositor_impl.h"
@@ -126,8 +127,9 @@ const Response& Compositor::Impl::response_of(const PlateFormat& format) const {
 
 void Compositor::Impl::prepare_composite(const PlateFormat& format) {
     if (composite_pass) return;
-    composite_pass = std::make_unique<CompositePass>(shaders, lens_map.nodes, LensMap::spacing,
-                                                     response_table(response_of(format), format.bit_depth));
+    composite_pass =
+        std::make_unique<CompositePass>(shaders, lens_map.nodes, LensMap::spacing,
+                                        response_table(response_of(format), format.bit_depth), format.primaries);
 }
 
 FrameResources Compositor::Impl::resources() {
@@ -214,6 +216,7 @@ ImageF Compositor::virtual_layer_code(const CompositedFrame& frame) const {
     ImageF picture(format.width, format.height, 4);
     if (!frame.layers) return picture;
     const Response& response = impl_->response_of(format);
+    const Eigen::Matrix3d& footage_from_light = from_rec709(format.primaries);
     const Region& region = frame.layers->region;
     parallel_for(region.height, [&](int y) {
         for (int x = 0; x < region.width; ++x) {
@@ -224,8 +227,10 @@ ImageF Compositor::virtual_layer_code(const CompositedFrame& frame) const {
             // The curves belong to the light of the covered part: undo the coverage, code, and cover again.
             const double luminance = luminance_rec709(light[0], light[1], light[2]) / alpha;
             const double tone = tone_factor(luminance, frame.layers->light.white_light);
+            const Eigen::Vector3d shown =
+                footage_from_light * (tone / alpha * Eigen::Vector3d(light[0], light[1], light[2]));
             for (int c = 0; c < 3; ++c) {
-                const double code = std::clamp(response.code_from_linear(tone * light[c] / alpha, c), 0.0, 1.0);
+                const double code = std::clamp(response.code_from_linear(shown[c], c), 0.0, 1.0);
                 out[c] = static_cast<float>(code) * alpha;
             }
             out[3] = alpha;
@@ -240,13 +245,15 @@ const Response& Compositor::response_of(const PlateFrame& plate) const {
 
 ImageF Compositor::plate_linear(const PlateFrame& plate) const {
     const Response& response = impl_->response_of(plate.format());
+    const Eigen::Matrix3d& light_from_footage = rec709_from(plate.format().primaries);
     ImageF image = plate.rgb_code({0, 0, plate.format().width, plate.format().height});
     parallel_for(image.height(), [&](int y) {
         for (int x = 0; x < image.width(); ++x) {
-            for (int c = 0; c < 3; ++c) {
-                float& value = image.at(x, y, c);
-                value = static_cast<float>(response.linear_from_code(value, c));
-            }
+            float* pixel = image.pixel(x, y);
+            Eigen::Vector3d footage_linear;
+            for (int c = 0; c < 3; ++c) footage_linear[c] = response.linear_from_code(pixel[c], c);
+            Eigen::Map<Eigen::Vector3f> light(pixel);
+            light = (light_from_footage * footage_linear).cast<float>();
         }
     });
     return image;

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/image.h"
+#include "core/primaries.h"
 
 struct AVFrame;
 
@@ -27,7 +28,8 @@ struct PlateFormat {
     ColorMatrix matrix = ColorMatrix::bt709;
     ColorRange range = ColorRange::limited;
     Transfer transfer = Transfer::camera;
-    bool matrix_guessed = false;  // the file does not say; taken from the picture's size, as players do
+    Primaries primaries = Primaries::rec709;  // what the file does not say is taken as Rec.709's
+    bool matrix_guessed = false;              // the file does not say; taken from the picture's size, as players do
     bool range_guessed = false;
     ChromaSiting siting = ChromaSiting::left;
     int rotation_deg = 0;  // 0, 90, 180, 270: clockwise turn from stored to displayed

@@ -68,12 +68,14 @@ ImageF read_runs(const Texture2D& texture, const Region& region, const std::vect
     return image;
 }
 
-CompositePass::CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response)
+CompositePass::CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response,
+                             Primaries primaries)
     : shaders_(shaders),
       lens_nodes_({.format = GL_RG32F, .width = lens_nodes.width(), .height = lens_nodes.height()}),
       response_({.format = GL_R32F, .width = response.width(), .height = 6}),
       response_table_(response),
       lens_spacing_(lens_spacing),
+      primaries_(primaries),
       empty_({.format = GL_RGBA32F, .width = 2, .height = 2}),
       empty_id_({.format = GL_R32UI, .width = 2, .height = 2}) {
     lens_nodes_.upload(lens_nodes);
@@ -90,13 +92,21 @@ double CompositePass::least_visible_light(int bit_depth) const {
             least = std::min(least, static_cast<double>(light[i]) - static_cast<double>(light[i - half_step]));
         }
     }
-    return least;
+    // A change of one channel by this changes none of the footage's channels by more.
+    return least / from_rec709(primaries_).cwiseAbs().rowwise().sum().maxCoeff();
 }
 
 double CompositePass::brightest_light() const {
     double most = 0;
     for (int channel = 0; channel < 3; ++channel) most = std::max<double>(most, response_table_.row(channel).back());
-    return most;
+    // Light that is brightest in one of the footage's channels alone.
+    return most * rec709_from(primaries_).cwiseMax(0).rowwise().sum().maxCoeff();
+}
+
+void CompositePass::set_response(Program& program) const {
+    program.bind_texture("response_linear", 2, response_);
+    program.set("rec709_from_footage", Eigen::Matrix3f(rec709_from(primaries_).cast<float>()));
+    program.set("footage_from_rec709", Eigen::Matrix3f(from_rec709(primaries_).cast<float>()));
 }
 
 GraphTexture CompositePass::add_upload(RenderGraph& graph, const char* name, const ImageF& code, const Region& region,
@@ -168,7 +178,7 @@ void CompositePass::set_surface(Program& program, const CompositeInput& input) c
 }
 
 void CompositePass::set_input(Program& program, const CompositeInput& input) const {
-    program.bind_texture("response_linear", 2, response_);
+    set_response(program);
     set_layer(program, input);
     set_surface(program, input);
 
@@ -302,7 +312,7 @@ ResponsePicture CompositePass::add_response(RenderGraph& graph, const ResponseIn
         program.use();
         run.bind(program, "plate_code", 0, plate);
         run.bind(program, "light_after", 1, input.light.after);
-        program.bind_texture("response_linear", 2, response_);
+        set_response(program);
         run.bind(program, "light_before", 3, input.light.before);
         run.bind(program, "spill", 4, input.spill);
         if (input.grain) {

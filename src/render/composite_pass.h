@@ -10,6 +10,7 @@
 
 #include "calibration/thin_lens.h"
 #include "core/image.h"
+#include "core/primaries.h"
 #include "core/transforms.h"
 #include "gl/shader_library.h"
 #include "render/effects/contact_shadow.h"
@@ -93,8 +94,10 @@ struct ResponsePicture {
 /// Holds what no frame changes: the lens as a grid and the response as a table.
 class CompositePass {
 public:
-    /// `lens_nodes` as LensMap has it, one node every `lens_spacing` pixels; `response` holds one row a channel.
-    CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response);
+    /// `lens_nodes` as LensMap has it, one node every `lens_spacing` pixels; `response` holds one row a channel, of
+    /// light of the footage's primaries.
+    CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response,
+                  Primaries primaries = Primaries::rec709);
 
     CompositePicture add(RenderGraph& graph, const CompositeInput& input);
     /// Over `region`; of the input the layer alone counts. The same light, bit for bit, that add() composites.
@@ -120,6 +123,7 @@ public:
 private:
     GraphTexture add_upload(RenderGraph& graph, const char* name, const ImageF& code, const Region& region,
                             const std::vector<Region>& runs);
+    void set_response(Program& program) const;
     void set_input(Program& program, const CompositeInput& input) const;
 
     ShaderLibrary& shaders_;
@@ -127,6 +131,7 @@ private:
     Texture2D response_;
     ImageF response_table_;
     int lens_spacing_;
+    Primaries primaries_;
     Texture2D empty_, empty_id_;  // stand in for inputs that a frame does not have
 };
 

@@ -231,6 +231,7 @@ Surface read_surface(const std::vector<PureCell>& pure, bool paper, int grid_cel
 
 struct LightOfCode {
     double light = 0, error = 0;
+    bool clipped = false;
 };
 
 LightOfCode light_of(const CardCode& card, const PlateLight& plate_light, int channel) {
@@ -239,7 +240,28 @@ LightOfCode light_of(const CardCode& card, const PlateLight& plate_light, int ch
     const double spread = std::max(card.noise, 1e-3);
     const double above = at(card.code + spread), below = at(card.code - spread);
     const double middle = at(card.code);
-    return {card.noise > 0 ? 0.5 * (above + below) : middle, (above - below) / (2 * spread) * card.standard_error};
+    return {card.noise > 0 ? 0.5 * (above + below) : middle, (above - below) / (2 * spread) * card.standard_error,
+            card.clipped};
+}
+
+/// Light of Rec.709's primaries. Where the footage has others, a channel of it is made of all of the footage's.
+std::array<LightOfCode, 3> lights_of(const std::array<CardCode, 3>& cards, const PlateLight& plate_light,
+                                     Primaries primaries) {
+    std::array<LightOfCode, 3> footage, lights;
+    for (int c = 0; c < 3; ++c) {
+        const auto channel = static_cast<std::size_t>(c);
+        footage[channel] = light_of(cards[channel], plate_light, c);
+    }
+    if (primaries == Primaries::rec709) return footage;
+    for (std::size_t to = 0; to < 3; ++to) {
+        for (std::size_t from = 0; from < 3; ++from) {
+            const double share = rec709_from(primaries)(static_cast<int>(to), static_cast<int>(from));
+            lights[to].light += share * footage[from].light;
+            lights[to].error = std::hypot(lights[to].error, share * footage[from].error);
+            lights[to].clipped = lights[to].clipped || footage[from].clipped;
+        }
+    }
+    return lights;
 }
 
 }  // namespace
@@ -283,17 +305,16 @@ std::optional<CardReading> read_card(const PlateFrame& frame, const PlateLight& 
     reading.paper_shared = paper_surface.shared;
     reading.ink_shared = ink_surface.shared;
     reading.chroma_shared = format.chroma_block_width > 1 || format.chroma_block_height > 1;
+    const std::array<LightOfCode, 3> whites = lights_of(reading.paper_code, plate_light, format.primaries);
+    const std::array<LightOfCode, 3> blacks = lights_of(reading.ink_code, plate_light, format.primaries);
     for (std::size_t channel = 0; channel < 3; ++channel) {
-        const int c = static_cast<int>(channel);
-        const CardCode& paper = reading.paper_code[channel];
-        const CardCode& ink = reading.ink_code[channel];
-        const LightOfCode white = light_of(paper, plate_light, c), black = light_of(ink, plate_light, c);
+        const LightOfCode &white = whites[channel], &black = blacks[channel];
         constexpr double darkest = 1e-4;  // below a fortieth of an 8-bit code nothing is known
         const double difference = white.light - black.light;
         reading.difference[channel] = {difference, std::hypot(white.error, black.error) / std::max(difference, darkest),
-                                       !paper.clipped && difference > darkest};
+                                       !white.clipped && difference > darkest};
         reading.ink[channel] = {black.light, black.error / std::max(black.light, darkest),
-                                !ink.clipped && black.light > darkest};
+                                !black.clipped && black.light > darkest};
     }
     return reading;
 }

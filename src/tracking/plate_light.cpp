@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+
+#include <Eigen/Core>
 
 namespace matchlight {
 
@@ -58,10 +61,13 @@ ImageF PlateLight::gray(const PlateFrame& frame, const Region& region) const {
 
 ImageF PlateLight::rgb(const PlateFrame& frame, const Region& region) const {
     ImageF image = frame.rgb_code(region);
-    int channel = 0;
-    for (float& sample : image.samples()) {
-        sample = static_cast<float>(light_from_code(sample, channel));
-        channel = channel == 2 ? 0 : channel + 1;
+    const Eigen::Matrix3d& light_from_footage = rec709_from(frame.format().primaries);
+    const std::span<float> samples = image.samples();
+    for (std::size_t i = 0; i < samples.size(); i += 3) {
+        Eigen::Vector3d footage_linear;
+        for (int c = 0; c < 3; ++c) footage_linear[c] = light_from_code(samples[i + static_cast<std::size_t>(c)], c);
+        Eigen::Map<Eigen::Vector3f> pixel(&samples[i]);
+        pixel = (light_from_footage * footage_linear).cast<float>();
     }
     return image;
 }

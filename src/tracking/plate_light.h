@@ -26,6 +26,7 @@ public:
     /// One channel for geometry: luma (or green) through the green curve. The edge of ink on paper lies at the same
     /// place in it as in light, because both sides have about the same colour.
     ImageF gray(const PlateFrame& frame, const Region& region) const;
+    /// Of Rec.709's primaries, whatever the footage's are.
     ImageF rgb(const PlateFrame& frame, const Region& region) const;
 
 private:
