@@ -42,6 +42,7 @@ struct RenderArguments {
     FrameRange frames;
     std::optional<std::int64_t> explain;
     std::int64_t first_number = 0;
+    std::optional<OverscanRequest> overscan;
     bool overwrite = false;
     bool strict = false;
 };
@@ -76,6 +77,18 @@ void check_pictures(const RenderArguments& arguments, const fs::path& pattern, c
     for (std::int64_t frame = arguments.frames.first; frame < end; ++frame) {
         check_output(numbered(pattern, frame + arguments.first_number), false);
     }
+}
+
+/// The pixels beyond the frame that the call asks for.
+Overscan overscan_of(const RenderArguments& arguments, const Scene& scene, const Camera& camera) {
+    if (!arguments.overscan) return {};
+    if (output_kind(arguments.output) != OutputKind::exr)
+        throw InputError(arguments.output, "holds nothing beyond the frame, which --overscan asks for",
+                         "name it out_%04d.exr");
+    if (!scene.background.image.empty())
+        throw InputError(scene.background.image, "ends with the frame, and --overscan goes beyond",
+                         "leave one of them out");
+    return arguments.overscan->of(camera.width, camera.height);
 }
 
 void check_masks(const RenderArguments& arguments, const Scene& scene, const FootageInfo& footage) {
@@ -128,6 +141,7 @@ void render(const RenderArguments& arguments, CommandContext& context) {
     const OutputLock lock(request.path);
     if (output_kind(request.path) != OutputKind::video) check_pictures(arguments, request.path, source->info());
     check_masks(arguments, scene, source->info());
+    const Overscan overscan = overscan_of(arguments, scene, solve.camera);
     const std::unique_ptr<FrameOutput> output = open_frame_output(request, source->info(), warnings);
     const std::unique_ptr<GlContext> gl = create_offscreen_context();
     meter_clip(solve, scene, *gl, {.strict = arguments.strict, .quiet = context.quiet}, warnings);
@@ -137,7 +151,8 @@ void render(const RenderArguments& arguments, CommandContext& context) {
                            .gathered_surface = surface_picture_of_clip(
                                scene, solve, {.strict = arguments.strict, .quiet = context.quiet}, warnings),
                            .layers = output->needs_layers(),
-                           .exchange = output->needs_exchange()},
+                           .exchange = output->needs_exchange(),
+                           .overscan = overscan},
                           warnings);
 
     const std::int64_t declared = source->info().frame_count;
@@ -243,6 +258,15 @@ void add_render_command(CLI::App& app, CommandContext& context) {
     command->add_flag("--overwrite", arguments->overwrite, "Replace what exists under the output's name");
     command->add_option("--first", arguments->first_number, "Number of frame 0 in picture names (0)")
         ->check(CLI::NonNegativeNumber);
+    command
+        ->add_option_function<std::string>(
+            "--overscan", [arguments](const std::string& text) { arguments->overscan = parse_overscan(text); },
+            "Layers go on beyond the frame on each side, by a share of it or by pixels (5%, 64px; .exr only)")
+        ->check([](const std::string& text) -> std::string {
+            return parse_overscan(text) ? std::string() : "'" + text + "' is not 0% to 100%, or 0px to 4096px";
+        })
+        ->type_name("N%|PX")
+        ->excludes(explained);
     CLI::Option* level = command->add_option("--level", arguments->level, "Quality, instead of the scene's")
                              ->transform(CLI::CheckedTransformer(
                                  std::map<std::string, QualityLevel>(quality_levels.begin(), quality_levels.end())));

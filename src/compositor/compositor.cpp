@@ -2,6 +2,7 @@
 #include "compositor/compositor.h"
 
 #include <algorithm>
+#include <cassert>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
@@ -33,14 +34,15 @@ ImageF response_table(const Response& response, int bit_depth) {
 Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& the_solve,
                        const CompositorOptions& the_options, Warnings& the_warnings)
     : context(gl_context),
-      solve(the_solve),
+      solve(with_overscan(the_solve, the_options.overscan)),
       options(the_options),
       quality(the_options.settings.value_or(quality_of(the_options.quality))),
       warnings(the_warnings),
       surfaces(shaders),
       scene_focus(scene, solve.camera, surfaces),
       lens_map(make_lens_map(solve.camera)),
-      effects(shaders, scene.effects, quality, solve.camera) {
+      effects(shaders, with_overscan(scene.effects, the_solve.camera, the_options.overscan), quality, solve.camera) {
+    assert(options.layers || !options.overscan.any());
     load_objects(scene, warnings);
     for (const ObjectSettings& object : scene.objects) object_names.push_back(object.name);
     light.emplace(shaders, surfaces, scene, quality, warnings);
@@ -150,6 +152,7 @@ FrameResources Compositor::Impl::resources() {
             .quality = quality,
             .gathered = options.gathered_surface.get(),
             .background = background ? &*background : nullptr,
+            .overscan = options.overscan,
             .timed = options.timed};
 }
 
@@ -237,6 +240,10 @@ ImageF Compositor::virtual_layer_code(const CompositedFrame& frame) const {
         }
     });
     return picture;
+}
+
+const Overscan& Compositor::overscan() const {
+    return impl_->options.overscan;
 }
 
 const Response& Compositor::response_of(const PlateFrame& plate) const {

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "compositor/budget.h"
+#include "compositor/overscan.h"
 #include "compositor/quality.h"
 #include "core/image.h"
 #include "core/warnings.h"
@@ -33,8 +34,9 @@ struct LayerLight {
     double white_light = 0;  // plate-linear light that the tone curve shows as white; 0: there is no curve
 };
 
-/// The parts of a frame for EXR output, each covering `region` of the plate; light is plate-linear (the response's
-/// inverse of the code values), depth in metres along the camera's axis (0 = nothing there), normals in world axes.
+/// The parts of a frame for EXR output, each covering `region` of the plate (with overscan: and beyond); light is
+/// plate-linear (the response's inverse of the code values), depth in metres along the camera's axis (0 = nothing
+/// there), normals in world axes.
 ///
 ///     beauty = plate · shadow · (1 − coverage) + virtual + spill + grain
 struct FrameLayers {
@@ -81,10 +83,11 @@ struct CompositorOptions {
     std::optional<FrameBudget> budget = {};  // chooses the levels within `settings` or `quality`
     // What the clip shows of the real surface (compositor/surface_picture.h); null: nothing.
     std::shared_ptr<const GatheredSurface> gathered_surface = {};
-    bool layers = false;    // also return FrameLayers
-    bool exchange = false;  // and in them motion vectors and parts
-    bool leave_out = true;  // false: draw what could be left out, too; the result is the same, bit for bit
-    bool timed = false;     // time every pass, for reports(); waits for the GPU at each
+    bool layers = false;     // also return FrameLayers
+    bool exchange = false;   // and in them motion vectors and parts
+    Overscan overscan = {};  // layers go on beyond the frame; needs `layers`
+    bool leave_out = true;   // false: draw what could be left out, too; the result is the same, bit for bit
+    bool timed = false;      // time every pass, for reports(); waits for the GPU at each
 };
 
 /// A part of an object, by the names that other programs are told.
@@ -139,6 +142,8 @@ public:
     ImageF plate_linear(const PlateFrame& plate) const;
     /// The response in force: the solve's, or what the footage says of itself.
     const Response& response_of(const PlateFrame& plate) const;
+    /// How far layers go beyond the frame.
+    const Overscan& overscan() const;
 
 private:
     struct Impl;

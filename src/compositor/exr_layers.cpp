@@ -48,11 +48,11 @@ ImageMetadata metadata_of(const CompositedFrame& frame, const ExrOrigin& origin)
 /// The parts of one file, and the images that some of them are made into.
 class ExrParts {
 public:
-    /// `window`: where in the frame what is given as a part of it lies.
-    explicit ExrParts(const Region& window) : window_(window) {}
+    /// What is given whole lies over `picture`, the rest over `window`.
+    ExrParts(const Region& picture, const Region& window) : picture_(picture), window_(window) {}
 
-    void add_light(const char* name, const ImageF& image, bool covers_frame) {
-        ExrPart& part = add(name, {"R", "G", "B"}, image, covers_frame);
+    void add_light(const char* name, const ImageF& image, bool covers_picture) {
+        ExrPart& part = add(name, {"R", "G", "B"}, image, covers_picture);
         part.metadata = {{"matchlight:light", "camera-linear"},
                          {"matchlight:unit", light_unit},
                          {"matchlight:probe_light", "this light / (gain_from_probe * vignette)"}};
@@ -66,16 +66,16 @@ public:
     std::vector<ExrPart>& parts() { return parts_; }
 
 private:
-    ExrPart& add(const char* name, std::vector<std::string> channels, const ImageF& image, bool covers_frame) {
+    ExrPart& add(const char* name, std::vector<std::string> channels, const ImageF& image, bool covers_picture) {
         return parts_.emplace_back(ExrPart{.name = name,
                                            .channels = std::move(channels),
                                            .image = &image,
                                            .half = true,
-                                           .data_window = covers_frame ? Region{} : window_,
+                                           .data_window = covers_picture ? picture_ : window_,
                                            .metadata = {}});
     }
 
-    Region window_;
+    Region picture_, window_;
     std::vector<ExrPart> parts_;
 };
 
@@ -120,22 +120,26 @@ void write_exr_layers(const std::filesystem::path& path, const CompositedFrame& 
     const PlateFormat& format = frame.plate.format();
     static const FrameLayers none = no_layers();
     const FrameLayers& layers = frame.layers ? *frame.layers : none;
-    ImageF plate = layers.background.empty() ? compositor.plate_linear(frame.plate) : layers.background;
-    // A ratio is 1 where there is no shadow, while EXR takes 0 outside a part's window: so it covers the whole frame.
-    ImageF shadow(format.width, format.height, 3, 1.0F);
+    const Region picture = compositor.overscan().window(format.width, format.height);
+    ImageF plate(picture.width, picture.height, 3);
+    if (layers.background.empty())
+        put(plate, compositor.plate_linear(frame.plate), {-picture.x, -picture.y, format.width, format.height});
+    // A ratio is 1 where there is no shadow, while EXR takes 0 outside a part's window: so it covers the whole picture.
+    ImageF shadow(picture.width, picture.height, 3, 1.0F);
     ImageF beauty;
     if (frame.layers) {
-        put(plate, layers.plate, layers.region);
-        put(shadow, layers.shadow, layers.region);
+        const Region window = layers.region.moved(-picture.x, -picture.y);
+        put(plate, layers.plate, window);
+        put(shadow, layers.shadow, window);
         beauty = plate;
-        put(beauty, layers.beauty, layers.region);
+        put(beauty, layers.beauty, window);
     } else {
         beauty = plate;
     }
     const ImageF coverage = layers.coverage.empty() ? in_all_channels(layers.alpha) : layers.coverage;
     const ImageF nothing(layers.region.width, layers.region.height, 3);
 
-    ExrParts file(layers.region);
+    ExrParts file(picture, layers.region);
     file.add_light("beauty", beauty, true);
     // Once a file: a table is long.
     file.parts().front().metadata["matchlight:response"] = compositor.response_of(frame.plate).to_json().dump();
@@ -146,7 +150,7 @@ void write_exr_layers(const std::filesystem::path& path, const CompositedFrame& 
     file.parts().front().metadata["matchlight:formula"] =
         "beauty = plate * shadow * (1 - coverage) + virtual + spill + grain";
     file.add_light("plate", plate, true);
-    file.add_data("shadow", {"R", "G", "B"}, shadow, "ratio of the surface's light that is left").data_window = {};
+    file.add_data("shadow", {"R", "G", "B"}, shadow, "ratio of the surface's light that is left").data_window = picture;
     file.add_data("alpha", {"A"}, layers.alpha, "coverage");
     file.add_light("virtual", layers.virtual_rgba, false);
     file.parts().back().channels = {"R", "G", "B", "A"};

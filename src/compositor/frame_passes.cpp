@@ -15,11 +15,15 @@ namespace matchlight {
 
 namespace {
 
-/// Code values over `region`, decoded in the runs alone.
-ImageF code_of_runs(const PlateFrame& plate, const Region& region, const std::vector<Region>& runs) {
+/// Code values over `region`, decoded in the runs alone; 0 beyond the frame.
+ImageF code_of_runs(const PlateFrame& plate, const Region& region, const std::vector<Region>& runs,
+                    const Overscan& overscan) {
     ImageF code(region.width, region.height, 3);
-    for (const Region& run : runs) {
-        const ImageF part = plate.rgb_code(run);
+    const Region frame{overscan.x, overscan.y, plate.format().width, plate.format().height};
+    for (const Region& whole_run : runs) {
+        const Region run = whole_run.intersected(frame);
+        if (run.empty()) continue;
+        const ImageF part = plate.rgb_code(run.moved(-overscan.x, -overscan.y));
         for (int y = 0; y < run.height; ++y) {
             std::copy_n(part.pixel(0, y), 3 * run.width, code.pixel(run.x - region.x, run.y + y - region.y));
         }
@@ -85,6 +89,23 @@ void widen(CompositedFrame& result, const Region& region) {
     result.reach = region;
     result.code = std::move(code);
     result.touched = std::move(touched);
+}
+
+/// Counts from the frame's corner, and leaves of the picture what lies in the frame; layers stay whole.
+void keep_frame(CompositedFrame& result, const Overscan& overscan) {
+    const Region drawn = result.reach.moved(-overscan.x, -overscan.y);
+    const Region kept = drawn.intersected({0, 0, result.plate.format().width, result.plate.format().height});
+    ImageF code(kept.width, kept.height, 3);
+    Image8 touched(kept.width, kept.height, 1);
+    for (int y = 0; y < kept.height; ++y) {
+        const int from_x = kept.x - drawn.x, from_y = kept.y - drawn.y + y;
+        std::copy_n(result.code.pixel(from_x, from_y), 3 * kept.width, code.pixel(0, y));
+        std::copy_n(result.touched.pixel(from_x, from_y), kept.width, touched.pixel(0, y));
+    }
+    result.reach = kept;
+    result.code = std::move(code);
+    result.touched = std::move(touched);
+    result.layers->region = result.layers->region.moved(-overscan.x, -overscan.y);
 }
 
 }  // namespace
@@ -193,7 +214,7 @@ void FramePasses::begin(bool layers) {
 
 ImageF FramePasses::decoded_plate(const PlateFrame& plate, const Region& region,
                                   const std::vector<Region>& runs) const {
-    return background_ ? ImageF() : code_of_runs(plate, region, runs);
+    return background_ ? ImageF() : code_of_runs(plate, region, runs, resources_.overscan);
 }
 
 void FramePasses::take_picture(CompositedFrame& result, GraphTexture code, const std::vector<Region>& runs) const {
@@ -321,7 +342,9 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
 
     take_picture(result, shown.code, runs);
     if (tiles) composite_surroundings(result, spill, tiles);
-    if (layers) read_layers(result, picture, shown, input);
+    if (!layers) return;
+    read_layers(result, picture, shown, input);
+    if (resources_.overscan.any()) keep_frame(result, resources_.overscan);
 }
 
 void FramePasses::read_layers(CompositedFrame& result, const CompositePicture& picture, const ResponsePicture& shown,

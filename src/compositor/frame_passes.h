@@ -62,7 +62,8 @@ struct FrameResources {
     const Quality& quality;
     const GatheredSurface* gathered = nullptr;  // what the clip shows of the surface
     const Background* background = nullptr;     // of a scene without footage
-    bool timed = false;                         // see RenderGraph::run
+    Overscan overscan = {};
+    bool timed = false;  // see RenderGraph::run
 };
 
 class FramePasses {

@@ -16,6 +16,7 @@ FrameOptics Compositor::Impl::optics_of(const SolvedFrame& frame) const {
     if (frame.camera_from_world) optics.camera_from_world = *frame.camera_from_world;
     optics.frame_width = solve.camera.width;
     optics.frame_height = solve.camera.height;
+    optics.corner_ratio = corner_ratio(without_overscan(solve.camera, options.overscan), options.overscan);
     optics.vignette = vignette_of(effects.settings().vignette, solve);
     const SolvedFrame* exposed = solve.exposed_near(frame);
     if (exposed == nullptr) {
@@ -217,11 +218,12 @@ void Compositor::Impl::plan_sensor(FramePlan& plan) {
 std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool whole_frame) {
     const PlateFormat& format = plate.format();
     const Camera& camera = solve.camera;
-    if (format.width != camera.width || format.height != camera.height) {
-        throw InputError(
-            solve.footage_file, plate.index(),
-            fmt::format("is {}×{}, the solve is for {}×{}", format.width, format.height, camera.width, camera.height),
-            "track this footage again");
+    const Camera frame_camera = without_overscan(camera, options.overscan);
+    if (format.width != frame_camera.width || format.height != frame_camera.height) {
+        throw InputError(solve.footage_file, plate.index(),
+                         fmt::format("is {}×{}, the solve is for {}×{}", format.width, format.height,
+                                     frame_camera.width, frame_camera.height),
+                         "track this footage again");
     }
     static const SolvedFrame unknown;
     const SolvedFrame* found = solve.find(plate.index());

@@ -186,7 +186,7 @@ void CompositePass::set_input(Program& program, const CompositeInput& input) con
     program.set("gain", Eigen::Vector3f(optics.gain.cast<float>()));
     program.set("vignette", Eigen::Vector2f(Eigen::Vector2d(optics.vignette[0], optics.vignette[1]).cast<float>()));
     const Eigen::Vector2d centre((optics.frame_width - 1) / 2.0, (optics.frame_height - 1) / 2.0);
-    const double corner_px = std::hypot(optics.frame_width, optics.frame_height) / 2;
+    const double corner_px = std::hypot(optics.frame_width, optics.frame_height) / 2 / optics.corner_ratio;
     program.set("vignette_frame",
                 Eigen::Vector3f(Eigen::Vector3d(centre.x(), centre.y(), 1 / corner_px).cast<float>()));
     program.set("plate_gain", optics.plate_gain);

@@ -26,8 +26,9 @@ struct FrameOptics {
     RigidTransform camera_from_world = RigidTransform::Identity();
     Eigen::Vector3d gain = Eigen::Vector3d::Ones();  // plate light of unit probe light: 2^ev · white balance
     std::array<double, 2> vignette{};                // gain = 1 + v0 r² + v1 r⁴, r = 1 at the corner
-    int frame_width = 0, frame_height = 0;
-    Focus focus;  // scale 0: all is sharp
+    int frame_width = 0, frame_height = 0;           // of the whole picture
+    double corner_ratio = 1;                         // its corner is so much farther off than that of the vignette
+    Focus focus;                                     // scale 0: all is sharp
     // Of simulated exposure control (render/effects/exposure.h).
     double plate_gain = 1;   // of the plate's own light: exposed anew
     double white_light = 0;  // plate-linear light shown as white; 0: no tone curve, and only what is touched changes

@@ -109,6 +109,56 @@ TEST_F(ExrLayers, MakeThePictureAgainWithEveryEffect) {
     }
 }
 
+TEST_F(ExrLayers, GoOnBeyondTheFrame) {
+    std::ofstream(scene_, std::ios::app)
+        << "[effects]\nbloom = {strength = 0.4}\nvignette = {v1 = -0.2, v2 = 0.05}\n"
+           "chromatic_aberration = {red_px = 1.5, blue_px = -1}\n"
+           "[[object]]\nshape = \"box\"\nscale = [2, 0.05, 0.05]\ntranslate = [0, 0.2, 0.03]\n";
+    const Layers frame(render("frame_%03d.exr"));
+    const Layers wide(render("wide_%03d.exr", {"--overscan", "10%"}));
+    const OIIO::ImageSpec& spec = wide["beauty"].spec();
+    EXPECT_EQ(OIIO::get_roi_full(spec), OIIO::ROI(0, 640, 0, 360, 0, 1, 0, 3)) << "the display window is the frame";
+    EXPECT_EQ(OIIO::get_roi(spec), OIIO::ROI(-64, 704, -36, 396, 0, 1, 0, 3));
+    // In the middle, where no light of what is beyond the frame comes in: sums over its pixels.
+    std::map<std::string, double> sum, wide_sum, difference;
+    double most_beside = 0, formula = 0;
+    const OIIO::ImageBuf together = wide.together();
+    for (int y = -36; y < 396; ++y) {
+        for (int x = -64; x < 704; ++x) {
+            for (int c = 0; c < 3; ++c) {
+                const double seen = wide["beauty"].getchannel(x, y, 0, c);
+                // Half floats: four of them, each off by 2^-12 of itself.
+                formula = std::max(formula, std::abs(together.getchannel(x, y, 0, c) - seen) / std::max(seen, 1.0));
+                if (x < 0 || y < 0 || x >= 640 || y >= 360) {
+                    most_beside = std::max<double>(most_beside, wide["virtual"].getchannel(x, y, 0, 3));
+                    EXPECT_EQ(wide["plate"].getchannel(x, y, 0, c), 0);
+                } else if (x >= 160 && x < 480 && y >= 90 && y < 270) {
+                    for (const char* part : {"beauty", "plate", "shadow", "virtual", "spill"}) {
+                        const double before = frame[part].getchannel(x, y, 0, c);
+                        sum[part] += before;
+                        wide_sum[part] += wide[part].getchannel(x, y, 0, c);
+                        difference[part] += std::abs(wide[part].getchannel(x, y, 0, c) - before);
+                    }
+                }
+            }
+        }
+    }
+    EXPECT_EQ(most_beside, 1) << "the bar goes on";
+    EXPECT_LT(formula, 2e-3);
+    EXPECT_EQ(difference["plate"], 0);
+    EXPECT_EQ(difference["shadow"], 0);
+    // A sample on an edge may fall on the other side of it.
+    EXPECT_LT(difference["virtual"], 1e-3 * sum["virtual"]);
+    // Bloom's coarse grids begin elsewhere: it is shifted by parts of their texels, and as much.
+    EXPECT_NEAR(wide_sum["spill"], sum["spill"], 0.01 * sum["spill"]);
+    EXPECT_GT(sum["spill"], 100);
+    const std::string video = scratch_ / "out.mp4";
+    EXPECT_TRUE(
+        failed_naming(run_matchlight({"render", scene_, "-o", video, "--overscan", "5%"}), {video, "overscan"}));
+    for (const char* wrong : {"-1", "nan", "200%", "3.5px", "5 %", ""})
+        EXPECT_EQ(run_matchlight({"render", scene_, "-o", "x_%03d.exr", "--overscan", wrong}).status, 2) << wrong;
+}
+
 TEST_F(ExrLayers, SayWhatTheirNumbersMean) {
     // Shots begin at 1001: frame 6 of the clip is 1007, in the name and in the file.
     render("out_%04d.exr", {"--first", "1001"});

@@ -98,7 +98,7 @@ TEST_P(WideFootageTest, IsCompositedInRec709AndGoesBackAsItCame) {
     for (int y = 0; y < made.reach.height; ++y) {
         for (int x = 0; x < made.reach.width; ++x) {
             const float alpha = layers.alpha.at(x, y);
-            solid += alpha == 1 ? 1 : 0;
+            solid += alpha > 0.999F ? 1 : 0;
             untouched += alpha == 0 ? 1 : 0;
             edges += alpha > 0 && alpha < 1 ? 1 : 0;
             for (int c = 0; c < 3; ++c) {
