@@ -103,10 +103,23 @@ std::string stability_section(const std::vector<StabilityRow>& rows) {
     return html + "</table>";
 }
 
+std::string truth_plot(const std::vector<TruthRow>& rows) {
+    EffectReport ladder;
+    ladder.name = "whole frame";
+    for (const TruthRow& row : rows) {
+        EffectPoint& point = ladder.points.emplace_back();
+        point.level = row.level;
+        point.time = row.time;
+        point.errors.flip = row.flip_in;
+    }
+    return pareto_plot_svg(ladder, {.time = "ms a frame", .error = "FLIP", .against = "FLIP against the truth"});
+}
+
 std::string truth_section(const std::vector<TruthRow>& rows) {
     if (rows.empty()) return {};
     std::string html =
-        "<h2 id=\"truth\">Whole frame against the truth</h2><p>FLIP inside the region that the objects change.</p>"
+        "<h2 id=\"truth\">Whole frame against the truth</h2><p>FLIP inside the region that the objects change.</p>" +
+        truth_plot(rows) +
         "<table><tr><th class=\"word\">level</th><th>ms median</th><th>min</th><th>max</th><th>FLIP</th></tr>";
     for (const TruthRow& row : rows) {
         html += "<tr>" + word(row.level) + cell(row.time.median_ms, "{:.3g}") + cell(row.time.min_ms, "{:.3g}") +

@@ -99,6 +99,7 @@ TEST_F(ReportTest, WritesPageTableAndJson) {
 
     const std::string page = bytes_of(folder / "report.html");
     EXPECT_NE(page.find("<svg"), std::string::npos);
+    EXPECT_NE(page.find("FLIP against milliseconds, whole frame"), std::string::npos) << "the curve against the truth";
     for (const char* reference : {"src=\"http", "href=\"http", "url(", "<script", "<link", "@import"}) {
         EXPECT_EQ(page.find(reference), std::string::npos) << reference;
     }
