@@ -28,6 +28,9 @@ uniform ivec4 channel_coverage_region;
 uniform sampler2D blurred_shadow;    // share of the surface's light, in plate pixels; a = 1 where there is one
 uniform ivec4 blurred_shadow_region;
 #endif
+#ifdef MATTE
+uniform sampler2D matte;             // share of the pixel that is real and in front of everything virtual
+#endif
 
 #ifdef UNCLIPPED
 // Of clipped pixels: plate-linear light as other frames know it, before any gain of ours, and how well; a = 0 elsewhere.
@@ -86,6 +89,15 @@ void main() {
     if (reached && shadow_present != 0) ratio = visible_shadow(normalized);
 #endif
 
+#ifdef MATTE
+    // What lens and shutter blurred is behind: the matte's own blur is the footage's. Real things cast the plate's own
+    // shadows, and none of a virtual thing falls on them here.
+    float in_front = texelFetch(matte, in_region, 0).r;
+    virtual_light *= 1.0 - in_front;
+    coverage *= 1.0 - in_front;
+    ratio = mix(ratio, vec3(1.0), in_front);
+#endif
+
     vec2 from_centre = (pixel - vignette_frame.xy) * vignette_frame.z;
     float r2 = dot(from_centre, from_centre);
     float falloff = 1.0 + vignette.x * r2 + vignette.y * r2 * r2;
@@ -133,6 +145,10 @@ void main() {
     if (reached && layer_present != 0 && all(greaterThanEqual(nearest, ivec2(0))) && all(lessThan(nearest, layer_size))) {
         geometry = vec4(texelFetch(layer_normal, nearest, 0).xyz, texelFetch(layer_depth_m, nearest, 0).r);
         object.r = float(texelFetch(layer_object_id, nearest, 0).r);
+#ifdef MATTE
+        // A pixel is of what covers more than half of it.
+        if (in_front > 0.5) geometry = object = vec4(0.0);
+#endif
     }
 #endif
 }

@@ -58,6 +58,7 @@ void choose_quality(Scene& scene, const RenderArguments& arguments) {
 
 void refuse_input_as_output(const fs::path& output, const Scene& scene) {
     std::vector<fs::path> inputs{scene.path, scene.footage.video, scene.footage.camera, scene.footage.solve};
+    inputs.insert(inputs.end(), {scene.footage.matte, scene.footage.depth});
     if (scene.probe) inputs.push_back(scene.probe->path);
     inputs.push_back(scene.background.image);
     for (const ObjectSettings& object : scene.objects) inputs.push_back(object.model);

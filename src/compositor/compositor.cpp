@@ -43,6 +43,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
       lens_map(make_lens_map(solve.camera)),
       effects(shaders, with_overscan(scene.effects, the_solve.camera, the_options.overscan), quality, solve.camera) {
     assert(options.layers || !options.overscan.any());
+    open_side_footage(scene);
     load_objects(scene, warnings);
     for (const ObjectSettings& object : scene.objects) object_names.push_back(object.name);
     light.emplace(shaders, surfaces, scene, quality, warnings);
@@ -53,6 +54,18 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
     graph.set_leaves_out(options.leave_out);
     make_light();
     if (options.budget) keep_to_budget(*options.budget);
+}
+
+void Compositor::Impl::open_side_footage(const Scene& scene) {
+    const auto side = [&](const std::filesystem::path& path) {
+        return SideFootage{.path = path,
+                           .footage = scene.footage.video,
+                           .width = solve.camera.width,
+                           .height = solve.camera.height,
+                           .frames = solve.frame_count,
+                           .scale = scene.footage.depth_scale};
+    };
+    if (!scene.footage.matte.empty()) matte.emplace(side(scene.footage.matte), warnings);
 }
 
 void Compositor::Impl::load_objects(const Scene& scene, Warnings& the_warnings) {

@@ -15,6 +15,7 @@
 #include "compositor/scene_focus.h"
 #include "compositor/scene_objects.h"
 #include "gl/shader_library.h"
+#include "media/side_footage.h"
 #include "render/composite_pass.h"
 #include "render/surface.h"
 
@@ -24,6 +25,7 @@ struct Compositor::Impl {
     Impl(GlContext& gl_context, const Scene& scene, const Solve& the_solve, const CompositorOptions& the_options,
          Warnings& the_warnings);
 
+    void open_side_footage(const Scene& scene);
     void load_objects(const Scene& scene, Warnings& warnings);
     /// Makes the light's maps, those that are there already excepted.
     void make_light();
@@ -68,6 +70,7 @@ struct Compositor::Impl {
     std::optional<Background> background;       // of a scene without footage
     std::optional<ShadowDetail> shadow_detail;  // made with the first frame that is out of focus
     std::optional<ShadowFootprint> footprint;   // made with the first frame, whose depth sets the limit
+    std::optional<MatteSource> matte;           // of what is real and in front
     SceneFocus scene_focus;
     LensMap lens_map;
     std::unique_ptr<CompositePass> composite_pass;

@@ -61,6 +61,16 @@ void take_code(CompositedFrame& result, const ImageF& read, const Region& region
     });
 }
 
+/// Takes away what is behind something real.
+void hide_behind(const ImageF& matte, const Region& region, ImageF& coverage) {
+    for (int y = 0; y < region.height; ++y) {
+        for (int x = 0; x < region.width; ++x) {
+            for (int c = 0; c < coverage.channels(); ++c)
+                coverage.at(x, y, c) *= 1 - matte.at(region.x + x, region.y + y);
+        }
+    }
+}
+
 /// What is left of the picture when all else that it is made of is taken away.
 ImageF noise_of(const FrameLayers& layers) {
     ImageF noise = layers.beauty;
@@ -125,6 +135,7 @@ CompositeInput FramePasses::composite_input(const ImageF& plate_code, const Regi
     input.background = background_;
     const std::optional<ContactShadow>& shadow = resources_.light.contact_shadow();
     input.shadow = shadow && plan_.posed ? &*shadow : nullptr;
+    input.matte = plan_.matte.empty() ? nullptr : &plan_.matte;
     input.optics = plan_.optics;
     return input;
 }
@@ -385,6 +396,7 @@ void FramePasses::read_layers(CompositedFrame& result, const CompositePicture& p
             std::copy_n(part.pixel(covered.x - held.x, covered.y - held.y + y), 3 * covered.width,
                         layers.coverage.pixel(covered.x - region.x, covered.y - region.y + y));
         }
+        if (!plan_.matte.empty()) hide_behind(plan_.matte, region, layers.coverage);
     }
     if (input.grain) layers.grain = noise_of(layers);
     if (exchange_) {

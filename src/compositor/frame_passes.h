@@ -38,6 +38,7 @@ struct FramePlan {
     LayerEffectPlan layer_effects;
     std::optional<GrainModel> grain;
     std::function<bool(const Eigen::AlignedBox2d&)> in_shadow;  // parts of the surface; empty: there is none
+    ImageF matte;          // of what is real and in front, over the frame; empty: nothing
     std::vector<LeftOutEffect> left_out;
     std::optional<FrameShutter> neighbours;  // with CompositorOptions::exchange: where the frames beside it are
     bool posed = true;  // false: nothing virtual can be placed, and only the plate's own exposure may change

@@ -258,6 +258,7 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
         graph.leave_out("surface", "no object is in view, and none of its shadow");
         return std::nullopt;
     }
+    if (plan.posed && matte) plan.matte = matte->coverage(plate.index());
     prepare_composite(format);
     return plan;
 }

@@ -56,6 +56,10 @@ void draw_runs(const PassRun& run, Program& program, const Region& region, const
     glDisable(GL_SCISSOR_TEST);
 }
 
+GLenum upload_format(int channels) {
+    return channels == 1 ? GL_R32F : channels == 3 ? GL_RGB32F : GL_RGBA32F;
+}
+
 }  // namespace
 
 ImageF read_runs(const Texture2D& texture, const Region& region, const std::vector<Region>& runs, int channels) {
@@ -109,21 +113,20 @@ void CompositePass::set_response(Program& program) const {
     program.set("footage_from_rec709", Eigen::Matrix3f(from_rec709(primaries_).cast<float>()));
 }
 
-GraphTexture CompositePass::add_upload(RenderGraph& graph, const char* name, const ImageF& code, const Region& region,
-                                       const std::vector<Region>& runs) {
+GraphTexture CompositePass::add_upload(RenderGraph& graph, const Upload& upload) {
     double pixels = 0;
-    for (const Region& run : runs) pixels += static_cast<double>(run.width) * run.height;
-    const double bytes_a_pixel = code.channels() * sizeof(float);
-    return graph.add_pass({.name = name,
-                           .writes = {code.channels() == 4 ? GLenum{GL_RGBA32F} : GLenum{GL_RGB32F}},
+    for (const Region& run : upload.runs) pixels += static_cast<double>(run.width) * run.height;
+    const ImageF& picture = upload.picture;
+    const Region covered = upload.covered, region = upload.region;
+    return graph.add_pass({.name = upload.name,
+                           .writes = {upload_format(picture.channels())},
                            .region = region,
                            .raster = false,
-                           .bytes = pixels * bytes_a_pixel,
-                           .draw = [&code, region, runs](PassRun& run) {
+                           .bytes = pixels * picture.channels() * static_cast<double>(sizeof(float)),
+                           .draw = [&picture, covered, region, runs = upload.runs](PassRun& run) {
                                for (const Region& one : runs) {
-                                   const Region part = one.moved(-region.x, -region.y);
-                                   const ImageF rows = rows_of(code, part);
-                                   run.upload(part, rows.samples());
+                                   const ImageF rows = rows_of(picture, one.moved(-covered.x, -covered.y));
+                                   run.upload(one.moved(-region.x, -region.y), rows.samples());
                                }
                            }})[0];
 }
@@ -221,15 +224,25 @@ GraphTexture CompositePass::add_shadow_ratio(RenderGraph& graph, const Composite
 CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& input) {
     const GraphTexture plate = input.background
                                    ? input.background
-                                   : add_upload(graph, "plate/upload", *input.plate_code, input.region, input.runs);
+                                   : add_upload(graph, {"plate/upload", *input.plate_code, input.region, input.region, input.runs});
+    GraphTexture matte;
+    if (input.matte != nullptr) {
+        const Region frame{0, 0, input.optics.frame_width, input.optics.frame_height};
+        matte = add_upload(graph, {"matte/upload", *input.matte, frame, input.region, input.runs});
+    }
     const PlateLayer& blurred = input.blurred;
     GraphPass pass{.name = "composite",
-                   .reads = {{plate}, {input.layer_drawn}, {blurred.light}, {blurred.shadow}, {blurred.coverage}},
+                   .reads = {{plate},
+                             {matte},
+                             {input.layer_drawn},
+                             {blurred.light},
+                             {blurred.shadow},
+                             {blurred.coverage}},
                    .writes = {GL_RGBA32F},
                    .region = input.region};
     GraphTexture unclipped;
     if (input.unclipped != nullptr) {
-        unclipped = add_upload(graph, "plate/unclipped", *input.unclipped, input.region, input.runs);
+        unclipped = add_upload(graph, {"plate/unclipped", *input.unclipped, input.region, input.region, input.runs});
         pass.reads.push_back({unclipped});
     }
     ShaderDefines defines = layer_defines(input);
@@ -237,6 +250,7 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
     if (blurred.light) defines["BLURRED_LAYER"] = "1";
     if (blurred.shadow) defines["BLURRED_SHADOW"] = "1";
     if (blurred.coverage) defines["CHANNEL_COVERAGE"] = "1";
+    if (matte) defines["MATTE"] = "1";
     if (input.background) defines["NO_FOOTAGE"] = "1";
     if (input.grain) {
         defines["GRAIN"] = "1";
@@ -254,7 +268,7 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
         defines["PLATE_SHARE"] = std::to_string(pass.writes.size());
         pass.writes.push_back(GL_RGBA32F);
     }
-    pass.draw = [this, input, plate, unclipped, defines](PassRun& run) {
+    pass.draw = [this, input, plate, matte, unclipped, defines](PassRun& run) {
         if (input.light) {
             // Effects look at the whole region; between the runs nothing was added or taken away.
             for (const int target : {0, 1}) run.target().clear_color(target, 0, 0, 0, 0);
@@ -270,6 +284,7 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
             run.bind(program, "unclipped_light", 16, unclipped);
             program.set("clipped_code", input.clipped_code);
         }
+        run.bind(program, "matte", 14, matte);
         if (input.grain && !input.light) set_grain(run, program, 12, *input.grain);
         draw_runs(run, program, input.region, input.runs);
     };
@@ -292,7 +307,7 @@ ResponsePicture CompositePass::add_response(RenderGraph& graph, const ResponseIn
     const bool around = !input.light.after;
     const GraphTexture plate =
         input.plate ? input.plate
-                    : add_upload(graph, "plate/upload around", *input.plate_code, input.region, input.runs);
+                    : add_upload(graph, {"plate/upload around", *input.plate_code, input.region, input.region, input.runs});
     GraphPass pass{.name = around ? "response around" : "response",
                    .reads = {{plate}, {input.light.after}, {input.light.before}, {input.spill}, {input.plate_share}},
                    .writes = {GL_RGBA32F},

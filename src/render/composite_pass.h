@@ -44,6 +44,7 @@ struct CompositeInput {
     const ImageF* unclipped = nullptr;    // of clipped pixels, RGBA over `region`: light, how well known; read by run()
     double clipped_code = 1;              // from here on a code of the plate is clipped
     GraphTexture background;              // plate-linear RGB over the whole frame in place of a plate
+    const ImageF* matte = nullptr;          // over the whole frame, 1 = real and in front; read by run(); null: none
     const ContactShadow* shadow = nullptr;  // null: no shadow, which is a ratio of 1
     FrameOptics optics;
     double least_visible_loss = 0;         // a shadow that takes less leaves the pixel the plate's
@@ -122,8 +123,15 @@ public:
     double brightest_light() const;
 
 private:
-    GraphTexture add_upload(RenderGraph& graph, const char* name, const ImageF& code, const Region& region,
-                            const std::vector<Region>& runs);
+    /// Pixels of a picture that covers `covered`; read by run().
+    struct Upload {
+        const char* name;
+        const ImageF& picture;  // one channel, three or four
+        Region covered;
+        Region region;
+        const std::vector<Region>& runs;
+    };
+    static GraphTexture add_upload(RenderGraph& graph, const Upload& upload);
     void set_response(Program& program) const;
     void set_input(Program& program, const CompositeInput& input) const;
 
