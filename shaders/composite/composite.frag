@@ -28,6 +28,13 @@ uniform ivec4 channel_coverage_region;
 uniform sampler2D blurred_shadow;    // share of the surface's light, in plate pixels; a = 1 where there is one
 uniform ivec4 blurred_shadow_region;
 #endif
+#ifdef HOLDOUTS
+uniform sampler2D holdouts;          // share of their light that is left, premultiplied; a = coverage
+uniform ivec4 holdouts_region;
+#endif
+#ifdef REAL_DEPTH
+uniform sampler2D real_inverse_depth;  // 1/m along the camera's z, over the frame; 0 where it is not known
+#endif
 #ifdef MATTE
 uniform sampler2D matte;             // share of the pixel that is real and in front of everything virtual
 #endif
@@ -89,6 +96,19 @@ void main() {
     if (reached && shadow_present != 0) ratio = visible_shadow(normalized);
 #endif
 
+#ifdef REAL_DEPTH
+    // What is nearer than the surface is not the surface. Depths are good to a percent or so: not by less than that.
+    float nearer = texelFetch(real_inverse_depth, ivec2(pixel), 0).r * surface_distance_m(normalized);
+    ratio = mix(ratio, vec3(1.0), smoothstep(1.01, 1.03, nearer));
+#endif
+#ifdef HOLDOUTS
+    // Their own shadow in place of the surface's behind them.
+    vec4 holdout = fetch_or_zero(holdouts, holdouts_region, ivec2(pixel));
+    if (holdout.a > 0.0) {
+        ratio = ratio * max(1.0 - holdout.a, 0.0) + holdout.rgb;
+        if (all(greaterThan(ratio, vec3(1.0 - max(least_visible_loss, 1e-6))))) ratio = vec3(1.0);
+    }
+#endif
 #ifdef MATTE
     // What lens and shutter blurred is behind: the matte's own blur is the footage's. Real things cast the plate's own
     // shadows, and none of a virtual thing falls on them here.

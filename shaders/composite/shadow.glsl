@@ -6,11 +6,17 @@ uniform float least_visible_loss;    // a shadow that takes less than this share
 uniform mat3 world_from_camera;
 uniform vec3 eye_world_m;
 
-vec3 shadow_over_pixel(vec2 normalized) {
+// Along the camera's z; 0 where the surface lies behind the camera or along the view: no such point is seen.
+float surface_distance_m(vec2 normalized) {
     vec3 direction = world_from_camera * vec3(normalized, 1.0);
     float distance_m = (surface_z_m - eye_world_m.z) / direction.z;
-    // Behind the camera, or along the surface: no such point is seen.
-    if (!(distance_m > 0.0) || isinf(distance_m)) return vec3(1.0);
+    return distance_m > 0.0 && !isinf(distance_m) ? distance_m : 0.0;
+}
+
+vec3 shadow_over_pixel(vec2 normalized) {
+    vec3 direction = world_from_camera * vec3(normalized, 1.0);
+    float distance_m = surface_distance_m(normalized);
+    if (distance_m == 0.0) return vec3(1.0);
     return contact_shadow(eye_world_m.xy + direction.xy * distance_m);
 }
 

@@ -57,6 +57,10 @@ ShadowCasters ClipLight::casters() {
     return {surfaces_.shadow_caster_bounds_m(), [this](Program& program) { surfaces_.draw_shadow_casters(program); }};
 }
 
+ShadowCasters ClipLight::real_casters() {
+    return {surfaces_.real_caster_bounds_m(), [this](Program& program) { surfaces_.draw_real_casters(program); }};
+}
+
 void ClipLight::describe_surface() {
     // The probe shows the surface from its own place; without that place the surface is taken as far away.
     const bool is_near = surface_.present && probe_place_m_ && probe_place_m_->z() > surface_.z_m;
@@ -125,7 +129,8 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
         inputs.push_back({map});
     }
     if (quality_.object_shadow.directions == 0) return graph.leave_out(between_pass, "this quality level has none");
-    if (!anything_casts && graph.leaves_out()) return graph.leave_out(between_pass, "no object casts");
+    const bool anything_shades = anything_casts || !surfaces_.real_caster_bounds_m().isEmpty();
+    if (!anything_shades && graph.leaves_out()) return graph.leave_out(between_pass, "no object casts");
     const GraphTexture baked = graph.import(nullptr, {.format = GL_NONE, .region = {}});
     graph.add_pass({.name = between_pass,
                     .reads = contact_input,
@@ -138,11 +143,18 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
 
 void ClipLight::bake_object_shadow() {
     const auto samples = sample_directions(probe_, quality_.object_shadow.directions, -1, false);
-    if (samples.empty() || surfaces_.shadow_caster_bounds_m().isEmpty()) return;
+    const bool reals_cast = !surfaces_.real_caster_bounds_m().isEmpty();
+    if (samples.empty() || (surfaces_.shadow_caster_bounds_m().isEmpty() && !reals_cast)) return;
     const ObjectShadow object_shadow(shaders_, casters(), samples, quality_.object_shadow);
     Program& bake = shaders_.compute("effects/object_shadow/bake.comp");
     bake.use();
     object_shadow.bind(bake, SurfaceShading::first_free_unit + 2);
+    std::optional<ObjectShadow> real_shadow;
+    if (reals_cast) {
+        real_shadow.emplace(shaders_, real_casters(), samples, quality_.object_shadow);
+        bake.use();
+        real_shadow->bind_as_real(bake, SurfaceShading::first_free_unit + 3);
+    }
     shading_.bind(bake);
     surfaces_.bake_visibility(bake);
 }

@@ -37,6 +37,7 @@ public:
 
 private:
     ShadowCasters casters();
+    ShadowCasters real_casters();
     void add_environment(RenderGraph& graph, std::vector<PassInput>& inputs);
     void add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs);
     void bake_object_shadow();

@@ -66,6 +66,7 @@ void Compositor::Impl::open_side_footage(const Scene& scene) {
                            .scale = scene.footage.depth_scale};
     };
     if (!scene.footage.matte.empty()) matte.emplace(side(scene.footage.matte), warnings);
+    if (!scene.footage.depth.empty()) depth.emplace(side(scene.footage.depth), warnings);
 }
 
 void Compositor::Impl::load_objects(const Scene& scene, Warnings& the_warnings) {
@@ -157,6 +158,7 @@ FrameResources Compositor::Impl::resources() {
             .light = *light,
             .composite = *composite_pass,
             .accumulator = accumulator,
+            .holdout_accumulator = holdout_accumulator,
             .gather = gather,
             .surface_defocus = surface_defocus,
             .effects = effects,

@@ -42,6 +42,8 @@ struct Compositor::Impl {
     /// Also extends `object_bounds` (normalised coordinates) by every object in view.
     Reach reach_of(const RigidTransform& camera_from_world, const PlateFormat& format,
                    Eigen::AlignedBox2d& object_bounds, const LayerEffectPlan& spread = {});
+    /// Of holdouts in view, in normalised coordinates; empty where nothing casts on them.
+    Eigen::AlignedBox2d holdout_bounds(const RigidTransform& camera_from_world, const LayerEffectPlan& spread) const;
     /// Where the shadow on the real surface can be seen; nowhere where there is none.
     ShadowReach shadow_reach(const PlateFormat& format);
     /// Sets how the shadow is out of focus, or why it is not.
@@ -71,10 +73,12 @@ struct Compositor::Impl {
     std::optional<ShadowDetail> shadow_detail;  // made with the first frame that is out of focus
     std::optional<ShadowFootprint> footprint;   // made with the first frame, whose depth sets the limit
     std::optional<MatteSource> matte;           // of what is real and in front
+    std::optional<DepthSource> depth;           // of what the footage shows
     SceneFocus scene_focus;
     LensMap lens_map;
     std::unique_ptr<CompositePass> composite_pass;
     SurfaceAccumulator accumulator{shaders};
+    SurfaceAccumulator holdout_accumulator{shaders};
     GatherDefocus gather{shaders};
     SurfaceDefocus surface_defocus{shaders};
     GrainNoise grain_noise{shaders};

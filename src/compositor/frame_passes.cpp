@@ -71,6 +71,18 @@ void hide_behind(const ImageF& matte, const Region& region, ImageF& coverage) {
     }
 }
 
+GraphTexture add_inverse_depth(RenderGraph& graph, const ImageF& inverse_depth) {
+    const Region frame = graph.frame();
+    return graph.add_pass({.name = "real depth/upload",
+                           .writes = {GL_R32F},
+                           .region = frame,
+                           .raster = false,
+                           .bytes = static_cast<double>(inverse_depth.samples().size_bytes()),
+                           .draw = [&inverse_depth, frame](PassRun& run) {
+                               run.upload({0, 0, frame.width, frame.height}, inverse_depth.samples());
+                           }})[0];
+}
+
 /// What is left of the picture when all else that it is made of is taken away.
 ImageF noise_of(const FrameLayers& layers) {
     ImageF noise = layers.beauty;
@@ -135,6 +147,7 @@ CompositeInput FramePasses::composite_input(const ImageF& plate_code, const Regi
     input.background = background_;
     const std::optional<ContactShadow>& shadow = resources_.light.contact_shadow();
     input.shadow = shadow && plan_.posed ? &*shadow : nullptr;
+    input.inverse_depth = inverse_depth_;
     input.matte = plan_.matte.empty() ? nullptr : &plan_.matte;
     input.optics = plan_.optics;
     return input;
@@ -160,27 +173,43 @@ void FramePasses::take_unclipped(CompositeInput& input, CompositedFrame& result)
 
 CompositeInput FramePasses::with_layer_effects(CompositeInput input) {
     const LayerEffectPlan& effects = plan_.layer_effects;
+    if (holdouts_drawn_) {
+        CompositeInput of_holdouts = input;
+        of_holdouts.layer = &holdouts_;
+        of_holdouts.layer_drawn = holdouts_drawn_;
+        input.blurred.holdouts =
+            add_lens_and_shutter(resources_.graph, layer_effect_input(of_holdouts, plan_.holdout_bounds), effects);
+    }
     if (!effects.defocus && resources_.effects.settings().depth_of_field)
         resources_.graph.leave_out("depth of field", "no circle of confusion is a quarter of a pixel wide");
     if (!effects.motion_left_out.empty()) resources_.graph.leave_out("motion_blur", effects.motion_left_out);
     if (!effects.any()) return input;
+    LayerEffectInput effect_input = layer_effect_input(input, plan_.object_bounds);
+    if (parts_coverage()) effect_input.coverage = &coverage_layer_;
+    const GraphTexture holdouts = input.blurred.holdouts;
+    PlateLayer blurred = add_layer_effects(resources_.graph, effect_input, effects);
+    blurred.holdouts = holdouts;
+    input.blurred = blurred;
+    return input;
+}
+
+LayerEffectInput FramePasses::layer_effect_input(const CompositeInput& input, const Eigen::AlignedBox2d& bounds) {
+    const LayerEffectPlan& effects = plan_.layer_effects;
     constexpr int margin_px = 2;
     const int spread_px = static_cast<int>(std::ceil(effects.spread_px()));
-    const Region objects = plan_.object_bounds.isEmpty() ? Region{}
-                                                         : plate_region(plan_.object_bounds, resources_.camera,
-                                                                        resources_.lens_map, margin_px + spread_px);
-    input.blurred = add_layer_effects(resources_.graph,
-                                      {.shaders = resources_.shaders,
-                                       .composite = resources_.composite,
-                                       .gather = resources_.gather,
-                                       .surface_defocus = resources_.surface_defocus,
-                                       .input = input,
-                                       .layer_density = layer_.fx / resources_.camera.fx,
-                                       .parts_transparent = parts_transparent(),
-                                       .objects = objects,
-                                       .motion_quality = resources_.quality.motion_blur},
-                                      effects);
-    return input;
+    const bool is_of_objects = input.layer == &layer_;
+    return {.shaders = resources_.shaders,
+            .composite = resources_.composite,
+            .gather = resources_.gather,
+            .surface_defocus = resources_.surface_defocus,
+            .input = input,
+            .coverage = nullptr,
+            .layer_density = (is_of_objects ? layer_ : holdouts_).fx / resources_.camera.fx,
+            .parts_transparent = is_of_objects && parts_transparent(),
+            .objects = bounds.isEmpty()
+                           ? Region{}
+                           : plate_region(bounds, resources_.camera, resources_.lens_map, margin_px + spread_px),
+            .motion_quality = resources_.quality.motion_blur};
 }
 
 GraphTexture FramePasses::add_background() {
@@ -219,7 +248,10 @@ std::optional<EvenDisc> FramePasses::background_disc() {
 void FramePasses::begin(bool layers) {
     resources_.graph.begin_frame(resources_.camera.width, resources_.camera.height);
     for (const LeftOutEffect& effect : plan_.left_out) resources_.graph.leave_out(effect.name, effect.why);
+    if (!plan_.inverse_depth.empty()) inverse_depth_ = add_inverse_depth(resources_.graph, plan_.inverse_depth);
+    light_drawn_ = resources_.light.add_passes(resources_.graph);
     layer_drawn_ = add_surface(layers);
+    holdouts_drawn_ = add_holdouts();
     background_ = add_background();
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -33,11 +35,13 @@ struct LeftOutEffect {
 /// What is known of a frame before anything is drawn.
 struct FramePlan {
     FrameOptics optics;
-    Eigen::AlignedBox2d object_bounds;  // of all objects in view, normalised coordinates
+    Eigen::AlignedBox2d object_bounds;   // of all virtual objects in view, normalised coordinates
+    Eigen::AlignedBox2d holdout_bounds;  // of holdouts that can lie in shadow
     Reach reach;
     LayerEffectPlan layer_effects;
     std::optional<GrainModel> grain;
     std::function<bool(const Eigen::AlignedBox2d&)> in_shadow;  // parts of the surface; empty: there is none
+    ImageF inverse_depth;  // 1/m of what the footage shows, over the frame, 0 where unknown; empty: not known
     ImageF matte;          // of what is real and in front, over the frame; empty: nothing
     std::vector<LeftOutEffect> left_out;
     std::optional<FrameShutter> neighbours;  // with CompositorOptions::exchange: where the frames beside it are
@@ -55,6 +59,7 @@ struct FrameResources {
     ClipLight& light;
     CompositePass& composite;
     SurfaceAccumulator& accumulator;
+    SurfaceAccumulator& holdout_accumulator;
     GatherDefocus& gather;
     SurfaceDefocus& surface_defocus;
     CameraEffects& effects;
@@ -80,22 +85,37 @@ private:
     /// Begins the frame in the graph, with the passes that draw objects and background.
     void begin(bool layers);
     GraphTexture add_surface(bool layers);
-    void place_on_plate_pixels(const Eigen::AlignedBox2d& bounds, SurfaceView& view);
+    /// A picture of what lies in `bounds`, as a pinhole has it and without a lens; sets the layer's geometry.
+    struct PlacedView {
+        SurfaceView view;
+        PinholeView pinhole;
+        double layer_density = 1;  // pixels along a plate pixel
+        Region plate;              // the pixels it covers
+    };
+    PlacedView place_view(Eigen::AlignedBox2d bounds, VirtualLayer& layer) const;
+    void place_on_plate_pixels(const Eigen::AlignedBox2d& bounds, VirtualLayer& layer, SurfaceView& view) const;
+    /// Of the view's part of the plate; null where depths are not known.
+    std::optional<RealDepth> real_depth(const PlacedView& placed) const;
+    /// Draws holdouts in the shadow of virtual objects.
+    GraphTexture add_holdouts();
+    /// Whether what is blurred afterwards has real things before it.
+    bool parts_coverage() const;
     /// Whether what lets light through is drawn apart, to be blurred at its own depth.
     bool parts_transparent() const;
     /// For one picture of the layer that is blurred afterwards; none where nothing is.
     std::optional<SurfaceLens> surface_lens(double layer_density) const;
     /// From every point of the lens and at every time that the layer is drawn at: once, unless defocus or motion blur
     /// is drawn that way.
-    SurfacePicture draw_surface(const SurfaceView& view, const PinholeView& pinhole);
-    /// How objects move over the layer, between two times in frames from the middle of the exposure.
-    const Texture2D* draw_ways(const SurfaceView& view, const FrameShutter& shutter, std::array<double, 2> times,
-                               WayPicture picture);
+    SurfacePicture draw_surface(const PlacedView& placed, SurfaceAccumulator& sum,
+                                const std::function<SurfacePicture(const SurfaceView&)>& draw);
+    /// How objects move between two times in frames from the middle of the exposure.
+    std::vector<ObjectWay> object_ways(const FrameShutter& shutter, std::array<double, 2> times) const;
     /// Between the opening of the shutter and its closing.
-    void draw_shutter_ways(const SurfaceView& view);
+    std::vector<ObjectWay> shutter_ways() const;
     void draw_exchange(const SurfaceView& view);
     /// Adds what lens and shutter do to the layer to the composite's input.
     CompositeInput with_layer_effects(CompositeInput input);
+    LayerEffectInput layer_effect_input(const CompositeInput& input, const Eigen::AlignedBox2d& bounds);
     /// Decoded in the runs alone; empty without footage.
     ImageF decoded_plate(const PlateFrame& plate, const Region& region, const std::vector<Region>& runs) const;
     /// Reads code values back as the result's picture.
@@ -121,10 +141,15 @@ private:
 
     FrameResources resources_;
     const FramePlan& plan_;
+    std::vector<PassInput> light_drawn_;  // what drawing surfaces reads
     VirtualLayer layer_;
+    VirtualLayer coverage_layer_;  // the same, its coverage in place of its light
     GraphTexture layer_drawn_;
     ClippedPlate clipped_plate_;
-    GraphTexture background_;  // empty where there is footage
+    VirtualLayer holdouts_;
+    GraphTexture holdouts_drawn_;
+    GraphTexture inverse_depth_;  // uploaded; empty where depths are not known
+    GraphTexture background_;     // empty where there is footage
     std::optional<ExchangeLayers> exchange_;
 };
 

@@ -54,6 +54,8 @@ Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const 
     // Lens and shutter bring in what lies beside the frame.
     const double beyond = spread.lens_spread_px() / solve.camera.fx;
     std::vector<Region> regions;
+    if (const Eigen::AlignedBox2d shaded = holdout_bounds(camera_from_world, spread); !shaded.isEmpty())
+        regions.push_back(plate_region(shaded, solve.camera, lens_map, margin_px));
     for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
         if (surfaces.is_holdout(i)) continue;
         const Eigen::AlignedBox2d bounds =
@@ -72,6 +74,18 @@ Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const 
         return smear_px + (blur ? blur->reach_px(tile, smear_px) : 0);
     };
     return make_reach(regions, shadow, camera_from_world, lens_map, solve.camera);
+}
+
+Eigen::AlignedBox2d Compositor::Impl::holdout_bounds(const RigidTransform& camera_from_world,
+                                                     const LayerEffectPlan& spread) const {
+    Eigen::AlignedBox2d bounds;
+    if (surfaces.shadow_caster_bounds_m().isEmpty()) return bounds;
+    const double beyond = spread.lens_spread_px() / solve.camera.fx;
+    for (std::size_t i = 0; i < surfaces.object_count(); ++i) {
+        if (surfaces.is_holdout(i))
+            bounds.extend(normalized_bounds_of_box(surfaces.object_bounds_m(i), camera_from_world, lens_map, beyond));
+    }
+    return bounds;
 }
 
 ShadowReach Compositor::Impl::shadow_reach(const PlateFormat& format) {
@@ -246,6 +260,7 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
         plan.grain = grain_of_frame(*grain, solve, plate.index(), plan.optics.plate_gain, warnings);
     }
     if (plan.posed) {
+        plan.holdout_bounds = holdout_bounds(*solved.camera_from_world, plan.layer_effects);
         plan.reach = reach_of(*solved.camera_from_world, format, plan.object_bounds, plan.layer_effects);
         plan.in_shadow = shadow_reach(format).in;
     }
@@ -259,6 +274,7 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
         return std::nullopt;
     }
     if (plan.posed && matte) plan.matte = matte->coverage(plate.index());
+    if (plan.posed && depth) plan.inverse_depth = depth->inverse_depth(plate.index());
     prepare_composite(format);
     return plan;
 }

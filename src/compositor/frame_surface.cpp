@@ -14,14 +14,7 @@ constexpr int layer_margin = 2;
 
 }  // namespace
 
-GraphTexture FramePasses::add_surface(bool layers) {
-    RenderGraph& graph = resources_.graph;
-    const std::vector<PassInput> light = resources_.light.add_passes(graph);
-    Eigen::AlignedBox2d bounds = plan_.object_bounds;
-    if (bounds.isEmpty()) {
-        graph.leave_out("surface", "no object is in view");
-        return {};
-    }
+FramePasses::PlacedView FramePasses::place_view(Eigen::AlignedBox2d bounds, VirtualLayer& layer) const {
     // What llvmpipe and GPUs alike hold as a target; wider views are drawn coarser.
     const double limit = std::min(8192, resources_.context.info().max_texture_size) - 4 * layer_margin - 1;
     const Camera& camera = resources_.camera;
@@ -33,56 +26,106 @@ GraphTexture FramePasses::add_surface(bool layers) {
                      .intersection(Eigen::AlignedBox2d(frame.min() - spread, frame.max() + spread));
     }
     const Eigen::Vector2d span = bounds.sizes();
-    double density = resources_.quality.supersampling;
+    PlacedView placed;
+    double& density = placed.layer_density;
+    density = resources_.quality.supersampling;
     density = std::min({density, limit / (span.x() * camera.fx), limit / (span.y() * camera.fy)});
-    layer_.fx = camera.fx * density;
-    layer_.fy = camera.fy * density;
-    SurfaceView view;
+    layer.fx = camera.fx * density;
+    layer.fy = camera.fy * density;
+    SurfaceView& view = placed.view;
     if (!camera.has_distortion() && density == std::round(density)) {
-        place_on_plate_pixels(bounds, view);
+        place_on_plate_pixels(bounds, layer, view);
     } else {
-        layer_.whole_density = 0;
-        layer_.cx = layer_margin - std::floor(bounds.min().x() * layer_.fx);
-        layer_.cy = layer_margin - std::floor(bounds.min().y() * layer_.fy);
-        view.width = static_cast<int>(std::ceil(span.x() * layer_.fx)) + 2 * layer_margin + 1;
-        view.height = static_cast<int>(std::ceil(span.y() * layer_.fy)) + 2 * layer_margin + 1;
+        layer.whole_density = 0;
+        layer.cx = layer_margin - std::floor(bounds.min().x() * layer.fx);
+        layer.cy = layer_margin - std::floor(bounds.min().y() * layer.fy);
+        view.width = static_cast<int>(std::ceil(span.x() * layer.fx)) + 2 * layer_margin + 1;
+        view.height = static_cast<int>(std::ceil(span.y() * layer.fy)) + 2 * layer_margin + 1;
     }
     // Depth of field reads the depth of single pixels.
     view.samples = plan_.layer_effects.blurs_focus() ? 1 : resources_.quality.samples;
-    const PinholeView pinhole{.fx = layer_.fx,
-                              .fy = layer_.fy,
-                              .cx = layer_.cx,
-                              .cy = layer_.cy,
-                              .width = static_cast<double>(view.width),
-                              .height = static_cast<double>(view.height),
-                              .near_m = near_plane_m};
+    placed.pinhole = {.fx = layer.fx,
+                      .fy = layer.fy,
+                      .cx = layer.cx,
+                      .cy = layer.cy,
+                      .width = static_cast<double>(view.width),
+                      .height = static_cast<double>(view.height),
+                      .near_m = near_plane_m};
     const RigidTransform& camera_from_world = plan_.optics.camera_from_world;
-    view.clip_from_world = clip_from_camera(pinhole) * camera_from_world.matrix();
+    view.clip_from_world = clip_from_camera(placed.pinhole) * camera_from_world.matrix();
     view.eye_world_m = camera_from_world.inverse().translation();
-    view.lens = surface_lens(density);
+    placed.plate = plate_region(bounds, camera, resources_.lens_map, layer_margin);
+    return placed;
+}
+
+bool FramePasses::parts_coverage() const {
+    const LayerEffectPlan& effects = plan_.layer_effects;
+    const bool has_real_things = inverse_depth_ || resources_.surfaces.any_holdout();
+    return has_real_things && (effects.blurs_focus() || effects.gathers_motion());
+}
+
+std::optional<RealDepth> FramePasses::real_depth(const PlacedView& placed) const {
+    if (!inverse_depth_) return std::nullopt;
+    // The first node lies one cell before the first pixel.
+    constexpr int spacing = LensMap::spacing;
+    const Region& seen = placed.plate;
+    const ImageF& nodes = resources_.lens_map.nodes;
+    const Region cells =
+        Region{seen.x / spacing, seen.y / spacing, seen.width / spacing + 3, seen.height / spacing + 3}.intersected(
+            {0, 0, nodes.width() - 1, nodes.height() - 1});
+    return RealDepth{.bind =
+                         [this](Program& program) {
+                             resources_.composite.set_lens(program, RealDepth::first_unit);
+                             program.bind_texture("real_inverse_depth", RealDepth::first_unit + 1,
+                                                  resources_.graph.texture(inverse_depth_));
+                         },
+                     .clip_from_camera = clip_from_camera(placed.pinhole),
+                     .cells = cells};
+}
+
+GraphTexture FramePasses::add_surface(bool layers) {
+    RenderGraph& graph = resources_.graph;
+    std::vector<PassInput> inputs = light_drawn_;
+    if (plan_.object_bounds.isEmpty()) {
+        graph.leave_out("surface", "no object is in view");
+        return {};
+    }
+    PlacedView placed = place_view(plan_.object_bounds, layer_);
+    placed.view.lens = surface_lens(placed.layer_density);
+    placed.view.parts_coverage = parts_coverage();
+    const std::optional<RealDepth> depth = real_depth(placed);
+    if (depth) inputs.push_back({inverse_depth_});
     // Colour (half floats) and depth are written once a sample.
     constexpr double bytes_a_sample = 8 + 4;
-    const GraphTexture drawn = graph.import(
-        nullptr, {.format = GL_NONE, .region = plate_region(bounds, camera, resources_.lens_map, layer_margin)});
+    const SurfaceView& view = placed.view;
+    const GraphTexture drawn = graph.import(nullptr, {.format = GL_NONE, .region = placed.plate});
     graph.add_pass({.name = "surface",
-                    .reads = light,
+                    .reads = inputs,
                     .provides = {drawn},
                     .bytes = bytes_a_sample * view.width * view.height * view.samples,
-                    .draw = [this, view, pinhole, layers](PassRun&) {
+                    .draw = [this, placed, depth, layers](PassRun&) {
+                        PlacedView drawn_view = placed;
+                        SurfaceView& seen = drawn_view.view;
+                        seen.real_depth = depth ? &*depth : nullptr;
                         const ClipLight& lit = resources_.light;
-                        layer_.picture = draw_surface(view, pinhole);
+                        SurfaceRenderer& surfaces = resources_.surfaces;
+                        layer_.picture = draw_surface(drawn_view, resources_.accumulator, [&](const SurfaceView& one) {
+                            return surfaces.draw(lit.environment(), one, lit.shading());
+                        });
                         layer_.hidden = layer_.transparent = {};
-                        if (plan_.layer_effects.needs_hidden()) {
-                            layer_.hidden = resources_.surfaces.draw_hidden(lit.environment(), view, lit.shading());
-                        }
-                        if (view.lens && view.lens->parts_transparent) {
-                            layer_.transparent =
-                                resources_.surfaces.draw_transparent(lit.environment(), view, lit.shading());
-                        }
-                        if (plan_.layer_effects.gathers_motion()) draw_shutter_ways(view);
-                        if (plan_.neighbours) draw_exchange(view);
+                        if (plan_.layer_effects.needs_hidden())
+                            layer_.hidden = surfaces.draw_hidden(lit.environment(), seen, lit.shading());
+                        if (seen.lens && seen.lens->parts_transparent)
+                            layer_.transparent = surfaces.draw_transparent(lit.environment(), seen, lit.shading());
+                        if (plan_.layer_effects.gathers_motion())
+                            layer_.ways = &surfaces.draw_ways(seen, shutter_ways());
+                        if (plan_.neighbours) draw_exchange(seen);
+                        coverage_layer_ = layer_;
+                        for (SurfacePicture* picture :
+                             {&coverage_layer_.picture, &coverage_layer_.hidden, &coverage_layer_.transparent})
+                            picture->color = picture->coverage;
                         if (!layers) return;
-                        const SurfacePicture geometry = resources_.surfaces.draw_layers(view);
+                        const SurfacePicture geometry = surfaces.draw_layers(seen);
                         layer_.picture.depth_m = geometry.depth_m;
                         layer_.picture.normal = geometry.normal;
                         layer_.picture.object_id = geometry.object_id;
@@ -90,20 +133,48 @@ GraphTexture FramePasses::add_surface(bool layers) {
     return drawn;
 }
 
+GraphTexture FramePasses::add_holdouts() {
+    RenderGraph& graph = resources_.graph;
+    constexpr const char* pass = "holdouts";
+    const auto leave_out = [&](const char* why) {
+        graph.leave_out(pass, why);
+        return GraphTexture{};
+    };
+    if (!resources_.surfaces.any_holdout()) return leave_out("the scene has none");
+    if (plan_.holdout_bounds.isEmpty()) return leave_out("none in view can lie in a shadow");
+    const PlacedView placed = place_view(plan_.holdout_bounds, holdouts_);
+    const std::optional<RealDepth> depth = real_depth(placed);
+    std::vector<PassInput> inputs = light_drawn_;
+    if (depth) inputs.push_back({inverse_depth_});
+    const GraphTexture drawn = graph.import(nullptr, {.format = GL_NONE, .region = placed.plate});
+    graph.add_pass({.name = pass, .reads = inputs, .provides = {drawn}, .draw = [this, placed, depth](PassRun&) {
+                        PlacedView drawn_view = placed;
+                        drawn_view.view.real_depth = depth ? &*depth : nullptr;
+                        SurfaceRenderer& surfaces = resources_.surfaces;
+                        holdouts_.picture =
+                            draw_surface(drawn_view, resources_.holdout_accumulator,
+                                         [&](const SurfaceView& one) { return surfaces.draw_holdouts(one); });
+                        if (plan_.layer_effects.gathers_motion())
+                            holdouts_.ways = &surfaces.draw_holdout_ways(drawn_view.view, shutter_ways());
+                    }});
+    return drawn;
+}
+
 /// Every plate pixel is a square of whole layer pixels, which the layer begins and ends with.
-void FramePasses::place_on_plate_pixels(const Eigen::AlignedBox2d& bounds, SurfaceView& view) {
+void FramePasses::place_on_plate_pixels(const Eigen::AlignedBox2d& bounds, VirtualLayer& layer,
+                                        SurfaceView& view) const {
     const Camera& camera = resources_.camera;
-    const double density = std::round(layer_.fx / camera.fx);
+    const double density = std::round(layer.fx / camera.fx);
     // Pixels count from their middle.
     const Eigen::Array2d focal(camera.fx, camera.fy), corner(camera.cx + 0.5, camera.cy + 0.5);
     const Eigen::Array2i first = (bounds.min().array() * focal + corner).floor().cast<int>() - 1;
     const Eigen::Array2i end = (bounds.max().array() * focal + corner).ceil().cast<int>() + 1;
-    layer_.whole_density = static_cast<int>(density);
-    layer_.first_pixel = first.matrix();
-    layer_.cx = (corner.x() - first.x()) * density - 0.5;
-    layer_.cy = (corner.y() - first.y()) * density - 0.5;
-    view.width = (end.x() - first.x()) * layer_.whole_density;
-    view.height = (end.y() - first.y()) * layer_.whole_density;
+    layer.whole_density = static_cast<int>(density);
+    layer.first_pixel = first.matrix();
+    layer.cx = (corner.x() - first.x()) * density - 0.5;
+    layer.cy = (corner.y() - first.y()) * density - 0.5;
+    view.width = (end.x() - first.x()) * layer.whole_density;
+    view.height = (end.y() - first.y()) * layer.whole_density;
 }
 
 bool FramePasses::parts_transparent() const {
@@ -133,11 +204,13 @@ std::optional<SurfaceLens> FramePasses::surface_lens(double layer_density) const
                        .apart = defocus.apart};
 }
 
-SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeView& pinhole) {
-    const ClipLight& lit = resources_.light;
+SurfacePicture FramePasses::draw_surface(const PlacedView& placed, SurfaceAccumulator& sum,
+                                         const std::function<SurfacePicture(const SurfaceView&)>& draw) {
+    const SurfaceView& view = placed.view;
+    const PinholeView& pinhole = placed.pinhole;
     const LayerEffectPlan& effects = plan_.layer_effects;
     const int count = effects.samples();
-    if (count == 1) return resources_.surfaces.draw(lit.environment(), view, lit.shading());
+    if (count == 1) return draw(view);
     const Focus& focus = plan_.optics.focus;
     std::vector<Eigen::Vector2d> points(static_cast<std::size_t>(count), Eigen::Vector2d::Zero());
     if (effects.samples_lens() && !effects.defocus->objects.is_sharp())
@@ -145,7 +218,6 @@ SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeV
     const std::vector<double> times =
         effects.samples_time() ? shutter_times(count, effects.samples_lens()) : std::vector<double>(points.size(), 0.0);
     const double opening_radius_m = focus.coc_scale_px_m / resources_.camera.fx / 2;
-    SurfaceAccumulator& sum = resources_.accumulator;
     sum.begin(view.width, view.height);
     for (std::size_t i = 0; i < points.size(); ++i) {
         RigidTransform camera_from_world = plan_.optics.camera_from_world;
@@ -180,15 +252,13 @@ SurfacePicture FramePasses::draw_surface(const SurfaceView& view, const PinholeV
             }
         }
         seen.apart = apart;
-        sum.add(resources_.surfaces.draw(lit.environment(), seen, lit.shading()),
-                1 / static_cast<double>(points.size()));
+        sum.add(draw(seen), 1 / static_cast<double>(points.size()));
     }
     if (effects.samples_time()) resources_.objects.place(effects.motion->shutter.time(0));
     return sum.picture();
 }
 
-const Texture2D* FramePasses::draw_ways(const SurfaceView& view, const FrameShutter& shutter,
-                                        std::array<double, 2> times, WayPicture picture) {
+std::vector<ObjectWay> FramePasses::object_ways(const FrameShutter& shutter, std::array<double, 2> times) const {
     std::vector<ObjectWay> ways;
     for (std::size_t object = 0; object < resources_.surfaces.object_count(); ++object) {
         const auto camera_from_model = [&](double time) -> Eigen::Matrix4d {
@@ -198,19 +268,21 @@ const Texture2D* FramePasses::draw_ways(const SurfaceView& view, const FrameShut
         ways.push_back({.opening_camera_from_model = camera_from_model(times[0]),
                         .closing_camera_from_model = camera_from_model(times[1])});
     }
-    return &resources_.surfaces.draw_ways(view, ways, picture);
+    return ways;
 }
 
-void FramePasses::draw_shutter_ways(const SurfaceView& view) {
+std::vector<ObjectWay> FramePasses::shutter_ways() const {
     const FrameShutter& shutter = plan_.layer_effects.motion->shutter;
     const double half_share = shutter.share() / 2;
-    layer_.ways = draw_ways(view, shutter, {-half_share, half_share}, WayPicture::shutter);
+    return object_ways(shutter, {-half_share, half_share});
 }
 
 void FramePasses::draw_exchange(const SurfaceView& view) {
-    layer_.way_to_next = draw_ways(view, *plan_.neighbours, {0, 1}, WayPicture::to_next);
-    layer_.way_to_previous = draw_ways(view, *plan_.neighbours, {0, -1}, WayPicture::to_previous);
-    layer_.parts = &resources_.surfaces.draw_parts(view);
+    SurfaceRenderer& surfaces = resources_.surfaces;
+    const FrameShutter& neighbours = *plan_.neighbours;
+    layer_.way_to_next = &surfaces.draw_ways(view, object_ways(neighbours, {0, 1}), WayPicture::to_next);
+    layer_.way_to_previous = &surfaces.draw_ways(view, object_ways(neighbours, {0, -1}), WayPicture::to_previous);
+    layer_.parts = &surfaces.draw_parts(view);
 }
 
 }  // namespace matchlight

@@ -176,17 +176,49 @@ GraphTexture add_smeared_shadow(RenderGraph& graph, const LayerEffectInput& inpu
         motion_blur_knobs(input.motion_quality));
 }
 
+/// Of what is blurred real things are a part, as they are before virtual ones; then the virtual light is taken out.
+GraphTexture add_past_real_things(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan) {
+    const GraphTexture light = add_lens_and_shutter(graph, input, plan);
+    if (input.coverage == nullptr) return light;
+    CompositeInput of_coverage = input.input;
+    of_coverage.layer = input.coverage;
+    LayerEffectInput again{.shaders = input.shaders,
+                           .composite = input.composite,
+                           .gather = input.gather,
+                           .surface_defocus = input.surface_defocus,
+                           .input = of_coverage,
+                           .coverage = nullptr,
+                           .layer_density = input.layer_density,
+                           .parts_transparent = input.parts_transparent,
+                           .objects = input.objects,
+                           .motion_quality = input.motion_quality};
+    const GraphTexture coverage = add_lens_and_shutter(graph, again, plan);
+    return graph.add_pass({.name = "virtual coverage",
+                           .reads = {{light}, {coverage}},
+                           .writes = {GL_RGBA32F},
+                           .draw = [&shaders = input.shaders, light, coverage](PassRun& run) {
+                               Program& program = shaders.full_screen("composite/virtual_coverage.frag");
+                               program.use();
+                               run.bind(program, "light", 0, light);
+                               run.bind(program, "coverage", 1, coverage);
+                               run.draw(program);
+                           }})[0];
+}
+
 }  // namespace
+
+GraphTexture add_lens_and_shutter(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan) {
+    const bool blurs_focus = plan.blurs_focus();
+    const GraphTexture light = blurs_focus
+                                   ? add_defocused(graph, input, *plan.defocus)
+                                   : input.composite.add_resolved_layer(graph, input.input, input.objects).light;
+    return plan.gathers_motion() ? add_smeared(graph, input, plan, light) : light;
+}
 
 PlateLayer add_layer_effects(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan) {
     PlateLayer layer;
-    if (input.input.layer_drawn) {
-        if (plan.blurs_focus()) layer.light = add_defocused(graph, input, *plan.defocus);
-        if (plan.gathers_motion()) {
-            if (!layer.light) layer.light = input.composite.add_resolved_layer(graph, input.input, input.objects).light;
-            layer.light = add_smeared(graph, input, plan, layer.light);
-        }
-    }
+    if (input.input.layer_drawn && (plan.blurs_focus() || plan.gathers_motion()))
+        layer.light = add_past_real_things(graph, input, plan);
     if (input.input.shadow != nullptr) {
         if (plan.motion && plan.motion->smears_shadow) {
             layer.shadow = add_smeared_shadow(graph, input, plan);

@@ -88,12 +88,18 @@ struct LayerEffectInput {
     CompositePass& composite;
     GatherDefocus& gather;
     SurfaceDefocus& surface_defocus;
-    const CompositeInput& input;     // with the layer as drawn
+    const CompositeInput& input;  // with the layer as drawn
+    /// The layer with the virtual things' coverage in place of its light, where real things count as covered; else
+    /// null.
+    const VirtualLayer* coverage = nullptr;
     double layer_density = 1;        // layer pixels along a plate pixel
     bool parts_transparent = false;  // the layer has them apart
     Region objects;                  // plate pixels that the blurred layer can reach
     QualityLevel motion_quality = QualityLevel::final_;
 };
+
+/// The layer on plate pixels after what `plan` says that lens and shutter do to it.
+GraphTexture add_lens_and_shutter(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan);
 
 /// Adds the passes that `plan` asks for.
 PlateLayer add_layer_effects(RenderGraph& graph, const LayerEffectInput& input, const LayerEffectPlan& plan);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "render/surface_mesh.h"
 #include "scene/model.h"
 #include "scene/subdivide.h"
 
@@ -27,11 +28,29 @@ Eigen::Affine3d world_from_parent(const ObjectSettings& object, const Solve& sol
 
 /// Shadows between objects are kept at vertices: a face is given some, about as many along a model as a small shadow
 /// needs. Larger meshes stay as they are, being fine already.
-void shorten_edges(Model& model) {
-    constexpr double edges_along_model = 48;
+void shorten_edges(Model& model, bool is_holdout) {
+    // Real things are the larger ones: the shadow on a wall is of what stands before a part of it.
+    const double edges_along_model = is_holdout ? 64 : 48;
     constexpr std::size_t most_vertices = 200'000;
     const double longest_m = model.bounds_m.sizes().maxCoeff() / edges_along_model;
     for (ModelMesh& mesh : model.meshes) mesh = with_short_edges(mesh, longest_m, most_vertices);
+}
+
+/// Light that falls on the one side of an open shape does not fall on the other.
+void add_back_sides(Model& model) {
+    for (ModelMesh& mesh : model.meshes) {
+        if (is_closed_outward_surface(mesh)) continue;
+        const std::size_t vertices = mesh.vertices.size(), indices = mesh.indices.size();
+        for (std::size_t i = 0; i < vertices; ++i) {
+            ModelVertex behind = mesh.vertices[i];
+            for (float& component : behind.normal) component = -component;
+            mesh.vertices.push_back(behind);
+        }
+        for (std::size_t i = 0; i + 2 < indices; i += 3) {
+            for (const std::size_t corner : {i, i + 2, i + 1})
+                mesh.indices.push_back(mesh.indices[corner] + static_cast<std::uint32_t>(vertices));
+        }
+    }
 }
 
 }  // namespace
@@ -45,7 +64,8 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
         objects_.push_back({object, world_from_parent(object, solve, scene.path)});
         Model model = object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
         if (!object.material.texture.empty()) set_base_color_texture(model, object.material.texture);
-        if (fine_meshes) shorten_edges(model);
+        if (fine_meshes) shorten_edges(model, object.holdout);
+        if (object.holdout) add_back_sides(model);
         surfaces.add_object({.model = &model,
                              .world_from_model = world_from_model(objects_.size() - 1, time),
                              .material = object.material,

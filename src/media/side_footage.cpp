@@ -27,9 +27,9 @@ void check_size(const SideFootage& side, const fs::path& file, int width, int he
 
 void check_count(const SideFootage& side, std::int64_t frames, Warnings& warnings) {
     if (frames < side.frames) {
-        throw InputError(side.path,
-                         fmt::format("has {} frames, its footage {} has {}", frames, side.footage.string(), side.frames),
-                         "give one for every frame");
+        throw InputError(
+            side.path, fmt::format("has {} frames, its footage {} has {}", frames, side.footage.string(), side.frames),
+            "give one for every frame");
     }
     if (frames > side.frames) {
         warnings.add(fmt::format("{}: has {} frames, of which its footage {} needs {}", side.path.string(), frames,
@@ -134,7 +134,8 @@ ImageF DepthSource::inverse_depth(std::int64_t frame) {
     }
     // Frame by frame: the same text again raises the warning's count.
     const auto warn = [&](bool found, const char* what) {
-        if (found) warnings_.add(fmt::format("{}: frames with {} depths, which count as unknown", side_.path.string(), what));
+        if (found)
+            warnings_.add(fmt::format("{}: frames with {} depths, which count as unknown", side_.path.string(), what));
     };
     warn(has_not_a_number, "not-a-number");
     warn(has_negative, "negative");

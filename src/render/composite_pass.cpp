@@ -148,8 +148,7 @@ void CompositePass::set_layer(Program& program, const CompositeInput& input) con
     const auto bind_or = [&](const char* sampler, GLuint unit, const Texture2D* texture, const Texture2D& otherwise) {
         program.bind_texture(sampler, unit, texture != nullptr ? *texture : otherwise);
     };
-    program.bind_texture("lens_nodes", 1, lens_nodes_);
-    program.set("lens_spacing", static_cast<float>(lens_spacing_));
+    set_lens(program, 1);
     bind_or("layer", 3, picture.color, empty_);
     const auto share_of = [](const SurfacePicture& of) { return of.focus_share ? of.focus_share : of.depth_share; };
     bind_or("layer_depth_share", 9, share_of(picture), empty_);
@@ -163,9 +162,13 @@ void CompositePass::set_layer(Program& program, const CompositeInput& input) con
     bind_or("layer_object_id", 8, picture.object_id, empty_id_);
 }
 
-void CompositePass::set_surface(Program& program, const CompositeInput& input) const {
-    program.bind_texture("lens_nodes", 1, lens_nodes_);
+void CompositePass::set_lens(Program& program, GLuint unit) const {
+    program.bind_texture("lens_nodes", unit, lens_nodes_);
     program.set("lens_spacing", static_cast<float>(lens_spacing_));
+}
+
+void CompositePass::set_surface(Program& program, const CompositeInput& input) const {
+    set_lens(program, 1);
     program.set("shadow_present", input.shadow != nullptr);
     if (input.shadow != nullptr) {
         input.shadow->bind(program, 4);
@@ -222,9 +225,10 @@ GraphTexture CompositePass::add_shadow_ratio(RenderGraph& graph, const Composite
 }
 
 CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& input) {
-    const GraphTexture plate = input.background
-                                   ? input.background
-                                   : add_upload(graph, {"plate/upload", *input.plate_code, input.region, input.region, input.runs});
+    const GraphTexture plate =
+        input.background
+            ? input.background
+            : add_upload(graph, {"plate/upload", *input.plate_code, input.region, input.region, input.runs});
     GraphTexture matte;
     if (input.matte != nullptr) {
         const Region frame{0, 0, input.optics.frame_width, input.optics.frame_height};
@@ -234,6 +238,8 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
     GraphPass pass{.name = "composite",
                    .reads = {{plate},
                              {matte},
+                             {input.inverse_depth},
+                             {blurred.holdouts},
                              {input.layer_drawn},
                              {blurred.light},
                              {blurred.shadow},
@@ -251,6 +257,8 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
     if (blurred.shadow) defines["BLURRED_SHADOW"] = "1";
     if (blurred.coverage) defines["CHANNEL_COVERAGE"] = "1";
     if (matte) defines["MATTE"] = "1";
+    if (blurred.holdouts) defines["HOLDOUTS"] = "1";
+    if (input.inverse_depth && input.shadow != nullptr) defines["REAL_DEPTH"] = "1";
     if (input.background) defines["NO_FOOTAGE"] = "1";
     if (input.grain) {
         defines["GRAIN"] = "1";
@@ -285,6 +293,8 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
             program.set("clipped_code", input.clipped_code);
         }
         run.bind(program, "matte", 14, matte);
+        run.bind(program, "holdouts", 15, input.blurred.holdouts);
+        run.bind(program, "real_inverse_depth", 17, input.inverse_depth);
         if (input.grain && !input.light) set_grain(run, program, 12, *input.grain);
         draw_runs(run, program, input.region, input.runs);
     };
@@ -306,8 +316,9 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
 ResponsePicture CompositePass::add_response(RenderGraph& graph, const ResponseInput& input) {
     const bool around = !input.light.after;
     const GraphTexture plate =
-        input.plate ? input.plate
-                    : add_upload(graph, {"plate/upload around", *input.plate_code, input.region, input.region, input.runs});
+        input.plate
+            ? input.plate
+            : add_upload(graph, {"plate/upload around", *input.plate_code, input.region, input.region, input.runs});
     GraphPass pass{.name = around ? "response around" : "response",
                    .reads = {{plate}, {input.light.after}, {input.light.before}, {input.spill}, {input.plate_share}},
                    .writes = {GL_RGBA32F},

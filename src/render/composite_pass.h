@@ -44,7 +44,8 @@ struct CompositeInput {
     const ImageF* unclipped = nullptr;    // of clipped pixels, RGBA over `region`: light, how well known; read by run()
     double clipped_code = 1;              // from here on a code of the plate is clipped
     GraphTexture background;              // plate-linear RGB over the whole frame in place of a plate
-    const ImageF* matte = nullptr;          // over the whole frame, 1 = real and in front; read by run(); null: none
+    GraphTexture inverse_depth;           // 1/m of what the plate shows, over the frame; empty: not known
+    const ImageF* matte = nullptr;        // over the whole frame, 1 = real and in front; read by run(); null: none
     const ContactShadow* shadow = nullptr;  // null: no shadow, which is a ratio of 1
     FrameOptics optics;
     double least_visible_loss = 0;         // a shadow that takes less leaves the pixel the plate's
@@ -114,6 +115,8 @@ public:
     /// Sets the uniforms of common/lens_map.glsl, effects/contact_shadow/contact_shadow.glsl and composite/shadow.glsl;
     /// takes texture units 1, 4 and 5.
     void set_surface(Program& program, const CompositeInput& input) const;
+    /// Sets the uniforms of common/lens_map.glsl; takes a texture unit.
+    void set_lens(Program& program, GLuint unit) const;
     /// From light to code values, with the spilled light.
     ResponsePicture add_response(RenderGraph& graph, const ResponseInput& input);
 

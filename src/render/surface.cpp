@@ -13,22 +13,9 @@ namespace matchlight {
 
 namespace {
 
-/// After those of the environment, the material and the shading.
-constexpr GLuint nearest_depth_unit = 15;
-
-/// Clears obey the scissor: the targets may be much larger than the view.
-void begin_clearing(const Region& region) {
-    glEnable(GL_SCISSOR_TEST);
-    glScissor(region.x, region.y, region.width, region.height);
-}
-
-/// Empties the part of the target that the view takes, and draws there.
-void begin_drawing(const Framebuffer& target, const Region& region, int colors, bool clears_depth = true) {
-    target.bind(region);
-    begin_clearing(region);
-    for (int i = 0; i < colors; ++i) target.clear_color(i, 0, 0, 0, 0);
-    if (clears_depth) target.clear_depth();
-    glDisable(GL_SCISSOR_TEST);
+/// That draws of light write.
+int colors_of(const SurfaceView& view) {
+    return 1 + (view.lens ? 1 : 0) + (view.parts_coverage ? 1 : 0);
 }
 
 void set_opaque_state() {
@@ -83,7 +70,8 @@ void leave_state() {
 
 }  // namespace
 
-SurfaceRenderer::SurfaceRenderer(ShaderLibrary& shaders) : shaders_(shaders), targets_(std::make_unique<Targets>()) {}
+SurfaceRenderer::SurfaceRenderer(ShaderLibrary& shaders)
+    : shaders_(shaders), targets_(std::make_unique<Targets>()), holdout_targets_(std::make_unique<Targets>()) {}
 SurfaceRenderer::~SurfaceRenderer() = default;
 
 std::size_t SurfaceRenderer::add_object(const SurfaceObject& object) {
@@ -150,17 +138,6 @@ Eigen::AlignedBox3d SurfaceRenderer::bounds_m() const {
     return box;
 }
 
-Eigen::AlignedBox3d SurfaceRenderer::shadow_caster_bounds_m() const {
-    Eigen::AlignedBox3d box;
-    for (const Object& object : objects_) {
-        if (object.is_holdout) continue;
-        for (const Mesh& mesh : object.meshes) {
-            if (object.casts(mesh)) box.extend(object.bounds_of(mesh));
-        }
-    }
-    return box;
-}
-
 void SurfaceRenderer::draw_mesh(Program& program, const SurfaceView& view, const Object& object,
                                 const Mesh& mesh) const {
     const SurfaceMaterial& material = object.material_of(mesh);
@@ -216,6 +193,11 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
         double distance_m;
     };
     std::vector<Blended> blended;
+    if (drawn == Drawn::holdouts || drawn == Drawn::holdout_ways) {
+        set_opaque_state();
+        draw_real(program, view, drawn, place_more);
+        return leave_state();
+    }
     const bool is_geometry = drawn == Drawn::layers || drawn == Drawn::ways;
     const bool shows_blended = drawn == Drawn::light || drawn == Drawn::transparent_light || is_geometry;
     set_opaque_state();
@@ -275,17 +257,31 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     assert(!view.lens || samples == 1);
     if (view.lens) Targets::fit(targets_->focused, targets_->color, targets_->depth);
     const Region region{0, 0, view.width, view.height};
-    const Framebuffer& target = view.lens     ? targets_->focused.target
-                                : samples > 1 ? targets_->multisampled
-                                              : targets_->resolved;
-    begin_drawing(target, region, view.lens ? 2 : 1);
+    const Framebuffer* target = view.lens     ? &targets_->focused.target
+                                : samples > 1 ? &targets_->multisampled
+                                              : &targets_->resolved;
+    if (view.parts_coverage) {
+        Targets::fit(targets_->covered, targets_->color, view.lens ? &targets_->focused.focus_share : nullptr,
+                     samples > 1 ? nullptr : &targets_->depth);
+        target = &targets_->covered.target;
+        if (samples > 1) {
+            Targets::fit(targets_->multisampled_covered, targets_->multisampled_color, nullptr,
+                         &targets_->multisampled_depth);
+            target = &targets_->multisampled_covered.target;
+        }
+    }
+    begin_drawing(*target, region, colors_of(view));
     draw_meshes(program, view, view.lens && view.lens->parts_transparent ? Drawn::opaque_light : Drawn::light);
-    if (samples > 1) target.resolve_color_to(targets_->resolved, region);
+    if (samples > 1) {
+        target->resolve_color_to(targets_->resolved, region);
+        if (view.parts_coverage) target->resolve_color_to(targets_->covered.target, region, 1, 1);
+    }
     return {.width = view.width,
             .height = view.height,
             .color = &targets_->color,
             .depth_share = samples > 1 ? nullptr : &targets_->depth,
-            .focus_share = view.lens ? &targets_->focused.focus_share : nullptr};
+            .focus_share = view.lens ? &targets_->focused.focus_share : nullptr,
+            .coverage = view.parts_coverage ? &targets_->covered.coverage : nullptr};
 }
 
 SurfacePicture SurfaceRenderer::draw_transparent(const Environment& environment, const SurfaceView& view,
@@ -299,12 +295,19 @@ SurfacePicture SurfaceRenderer::draw_transparent(const Environment& environment,
     Targets::fit(targets_->transparent, targets_->transparent_color, targets_->depth);
     Program& program = light_program(environment, view, shading);
     const Region region{0, 0, view.width, view.height};
-    begin_drawing(targets_->transparent.target, region, 2, false);
+    const Framebuffer* target = &targets_->transparent.target;
+    if (view.parts_coverage) {
+        Targets::fit(targets_->transparent_covered, targets_->transparent_color, &targets_->transparent.focus_share,
+                     &targets_->depth);
+        target = &targets_->transparent_covered.target;
+    }
+    begin_drawing(*target, region, colors_of(view), false);
     draw_meshes(program, view, Drawn::transparent_light);
     return {.width = view.width,
             .height = view.height,
             .color = &targets_->transparent_color,
-            .focus_share = &targets_->transparent.focus_share};
+            .focus_share = &targets_->transparent.focus_share,
+            .coverage = view.parts_coverage ? &targets_->transparent_covered.coverage : nullptr};
 }
 
 SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, const SurfaceView& view,
@@ -313,8 +316,13 @@ SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, cons
     Targets::fit(targets_->hidden, view, Targets::color_format);
     if (view.lens) Targets::fit(targets_->hidden_focused, targets_->hidden.color, targets_->hidden.depth);
     const Region region{0, 0, view.width, view.height};
-    const Framebuffer& target = view.lens ? targets_->hidden_focused.target : targets_->hidden.target;
-    begin_drawing(target, region, view.lens ? 2 : 1);
+    const Framebuffer* target = view.lens ? &targets_->hidden_focused.target : &targets_->hidden.target;
+    if (view.parts_coverage) {
+        Targets::fit(targets_->hidden_covered, targets_->hidden.color,
+                     view.lens ? &targets_->hidden_focused.focus_share : nullptr, &targets_->hidden.depth);
+        target = &targets_->hidden_covered.target;
+    }
+    begin_drawing(*target, region, colors_of(view));
     // First where it is, then how it looks: so that little of it is shaded in vain, for mostly little is hidden.
     Program& depth = shaders_.program(
         {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/hidden_depth.frag"}});
@@ -328,7 +336,8 @@ SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, cons
             .height = view.height,
             .color = &targets_->hidden.color,
             .depth_share = &targets_->hidden.depth,
-            .focus_share = view.lens ? &targets_->hidden_focused.focus_share : nullptr};
+            .focus_share = view.lens ? &targets_->hidden_focused.focus_share : nullptr,
+            .coverage = view.parts_coverage ? &targets_->hidden_covered.coverage : nullptr};
 }
 
 SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
@@ -356,21 +365,26 @@ SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
 
 const Texture2D& SurfaceRenderer::draw_ways(const SurfaceView& view, std::span<const ObjectWay> ways,
                                             WayPicture picture) {
+    return draw_ways_into(*targets_, view, ways, picture, Drawn::ways);
+}
+
+const Texture2D& SurfaceRenderer::draw_ways_into(Targets& targets, const SurfaceView& view,
+                                                 std::span<const ObjectWay> ways, WayPicture picture, Drawn drawn) {
     assert(view.width > 0 && view.height > 0 && ways.size() == objects_.size());
-    Targets::ColorAndDepth& drawn = targets_->ways.at(static_cast<std::size_t>(picture));
-    Targets::fit(drawn, view, GL_RGBA32F);
+    Targets::ColorAndDepth& target = targets.ways.at(static_cast<std::size_t>(picture));
+    Targets::fit(target, view, GL_RGBA32F);
     Program& program = shaders_.program(
         {{GL_VERTEX_SHADER, "effects/motion_blur/ways.vert"}, {GL_FRAGMENT_SHADER, "effects/motion_blur/ways.frag"}});
     program.use();
     program.set("near_m", near_plane_m);
     const Region region{0, 0, view.width, view.height};
-    begin_drawing(drawn.target, region, 1);
-    draw_meshes(program, view, Drawn::ways, [&](std::size_t index) {
+    begin_drawing(target.target, region, 1);
+    draw_meshes(program, view, drawn, [&](std::size_t index) {
         const ObjectWay& way = ways[index];
         program.set("opening_camera_from_model", Eigen::Matrix4f(way.opening_camera_from_model.cast<float>()));
         program.set("closing_camera_from_model", Eigen::Matrix4f(way.closing_camera_from_model.cast<float>()));
     });
-    return drawn.color;
+    return target.color;
 }
 
 std::vector<SurfacePart> SurfaceRenderer::parts() const {
@@ -410,6 +424,7 @@ void SurfaceRenderer::bake_visibility(Program& program) {
         const Eigen::Matrix3d linear = object.world_from_model.topLeftCorner<3, 3>();
         program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
         program.set("normal_from_model", Eigen::Matrix3f(linear.inverse().transpose().cast<float>()));
+        program.set("is_real", object.is_holdout);
         for (Mesh& mesh : object.meshes) mesh.geometry.bake_visibility(program);
     }
 }
@@ -445,18 +460,6 @@ void SurfaceRenderer::set_visibility(std::size_t mesh, std::span<const Eigen::Ve
         mesh -= object.meshes.size();
     }
     assert(false);
-}
-
-void SurfaceRenderer::draw_shadow_casters(Program& program) const {
-    program.use();
-    for (const Object& object : objects_) {
-        program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
-        for (const Mesh& mesh : object.meshes) {
-            if (object.is_holdout || !object.casts(mesh)) continue;
-            program.set("caster_reflectance", object.material_of(mesh).reflectance());
-            mesh.geometry.draw();
-        }
-    }
 }
 
 }  // namespace matchlight

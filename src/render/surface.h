@@ -44,6 +44,15 @@ struct SurfaceLens {
     std::span<const ObjectFocus> apart = {};
 };
 
+/// How far the footage's own things are, on the plate's pixels: they hide what is virtual behind them.
+struct RealDepth {
+    std::function<void(Program&)>
+        bind;  // sets the uniforms of surface/real_depth.vert and .frag; units from first_unit
+    Eigen::Matrix4d clip_from_camera = Eigen::Matrix4d::Identity();
+    Region cells;                             // of the lens' grid, where the view looks
+    static constexpr GLuint first_unit = 24;  // beyond those of the light's programs
+};
+
 /// What one draw sees. `clip_from_world` is clip_from_camera (core/transforms.h) of the drawn region times
 /// camera_from_world: reversed z, y up, clip w = metres along the camera's z.
 struct SurfaceView {
@@ -56,6 +65,7 @@ struct SurfaceView {
     /// Real things in front count as covered, in black, so that what blurs the picture takes them as the surfaces they
     /// are; SurfacePicture::coverage then tells them from virtual ones. False: they leave the picture empty.
     bool parts_coverage = false;
+    const RealDepth* real_depth = nullptr;  // null: not known
 };
 
 /// Points into textures of the renderer that may be larger than the view and hold until its next draw: the picture is
@@ -142,8 +152,9 @@ public:
     /// The same of one object in its own model's axes.
     Eigen::AlignedBox3d model_bounds_m(std::size_t index) const;
     Eigen::AlignedBox3d bounds_m() const;
-    /// Around those that draw_shadow_casters draws.
+    /// Around those that draw_shadow_casters draws, and those that draw_real_casters does.
     Eigen::AlignedBox3d shadow_caster_bounds_m() const;
+    Eigen::AlignedBox3d real_caster_bounds_m() const;
 
     SurfacePicture draw(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading = {});
     /// What draw() found hidden behind the nearest opaque surface, with its depth: the next one. The view is draw()'s,
@@ -153,6 +164,9 @@ public:
     /// The blended meshes, before what draw() drew last, of the same view, which has a lens.
     SurfacePicture draw_transparent(const Environment& environment, const SurfaceView& view,
                                     const SurfaceShading& shading = {});
+    /// Holdouts alone, in `color` the share of their light that virtual objects leave them, premultiplied with how much
+    /// of the pixel they cover. Not part of the textures that other draws reuse.
+    SurfacePicture draw_holdouts(const SurfaceView& view);
     /// Depth, normal and object id, one sample a pixel; the colour of the picture is null.
     SurfacePicture draw_layers(const SurfaceView& view);
 
@@ -167,6 +181,8 @@ public:
     /// The part that each sample sees, 0 where there is none; a blended one is seen in as many samples as it has
     /// opacity. Multisampled R32F: the samples that draw() draws of `view`, or more of them where something blends.
     const Texture2D& draw_parts(const SurfaceView& view);
+    /// The ways of holdouts alone, beside draw_holdouts().
+    const Texture2D& draw_holdout_ways(const SurfaceView& view, std::span<const ObjectWay> ways);
 
     /// Runs a compute program over the vertices of every mesh, to keep what it finds of their light with them (see
     /// render/effects/object_shadow.h). Sets `world_from_model` and `normal_from_model` for each object.
@@ -180,13 +196,25 @@ public:
     /// Draws the geometry of shadow casters with the caller's program and state: position at attribute 0, uniform
     /// `world_from_model` set for each object. Blended meshes whose alpha is below a half cast none.
     void draw_shadow_casters(Program& program) const;
+    /// The same of holdouts.
+    void draw_real_casters(Program& program) const;
 
 private:
     struct Mesh;
     struct Object;
     struct Targets;
 
-    enum class Drawn { light, opaque_light, transparent_light, hidden_depth, hidden_light, layers, ways };
+    enum class Drawn {
+        light,
+        opaque_light,
+        transparent_light,
+        hidden_depth,
+        hidden_light,
+        layers,
+        ways,
+        holdouts,
+        holdout_ways
+    };
     /// What shaders of light are compiled with.
     static ShaderDefines view_defines(const SurfaceView& view);
     /// The program for light, with what it reads set.
@@ -197,11 +225,19 @@ private:
     void draw_meshes(Program& program, const SurfaceView& view, Drawn drawn, const PlaceMore& place_more = {}) const;
     /// What stands for real things, before all that is virtual; `program` as in draw_meshes().
     void draw_real(Program& program, const SurfaceView& view, Drawn drawn, const PlaceMore& place_more) const;
+    void draw_holdout_meshes(Program& program, const SurfaceView& view, Drawn drawn, const PlaceMore& place_more) const;
+    void draw_real_depth(const SurfaceView& view, Drawn drawn) const;
+    void draw_casters(Program& program, bool real) const;
+    Eigen::AlignedBox3d caster_bounds_m(bool real) const;
+    const Texture2D& draw_ways_into(Targets& targets, const SurfaceView& view, std::span<const ObjectWay> ways,
+                                    WayPicture picture, Drawn drawn);
     void draw_mesh(Program& program, const SurfaceView& view, const Object& object, const Mesh& mesh) const;
 
     ShaderLibrary& shaders_;
     std::vector<Object> objects_;
     std::unique_ptr<Targets> targets_;
+    std::unique_ptr<Targets> holdout_targets_;
+    FullScreenTriangle cells_;  // of the lens' grid
 };
 
 }  // namespace matchlight

@@ -3,12 +3,31 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "gl/framebuffer.h"
 #include "gl/objects.h"
 #include "render/surface.h"
 
 namespace matchlight {
+
+/// Clears obey the scissor: the targets may be much larger than the view.
+inline void begin_clearing(const Region& region) {
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(region.x, region.y, region.width, region.height);
+}
+
+/// Empties the part of the target that the view takes, and draws there.
+inline void begin_drawing(const Framebuffer& target, const Region& region, int colors, bool clears_depth = true) {
+    target.bind(region);
+    begin_clearing(region);
+    for (int i = 0; i < colors; ++i) target.clear_color(i, 0, 0, 0, 0);
+    if (clears_depth) target.clear_depth();
+    glDisable(GL_SCISSOR_TEST);
+}
+
+/// Of the depths of what draw() found nearest: after those of the environment, the material and the shading.
+inline constexpr GLuint nearest_depth_unit = 15;
 
 /// What draws go into; grown to the largest view met, so that views whose size changes do not allocate every time.
 struct SurfaceRenderer::Targets {
@@ -23,6 +42,12 @@ struct SurfaceRenderer::Targets {
         Framebuffer target;
         GLuint color = 0, depth = 0;  // what the target holds besides
     };
+    /// Beside a picture, which of it is virtual.
+    struct WithCoverage {
+        Texture2D coverage;
+        Framebuffer target;
+        std::array<GLuint, 3> beside{};  // what the target holds besides: colour, focus, depth
+    };
     Texture2D multisampled_color, multisampled_depth;
     Framebuffer multisampled;
     Texture2D color, depth;  // depth only where nothing is multisampled
@@ -32,6 +57,7 @@ struct SurfaceRenderer::Targets {
     ColorAndDepth parts;                // multisampled
     Texture2D transparent_color;
     WithFocus focused, hidden_focused, transparent;
+    WithCoverage covered, multisampled_covered, hidden_covered, transparent_covered;
     Texture2D layer_depth_m, layer_normal, layer_id, layer_depth;
     Framebuffer layers;
 
@@ -96,6 +122,19 @@ struct SurfaceRenderer::Targets {
         shape.format = GL_R32F;
         focused = {.focus_share = Texture2D(shape), .target = {}, .color = color.name(), .depth = depth.name()};
         focused.target = Framebuffer({color, focused.focus_share}, depth);
+    }
+    /// `focus` and `depth` may be null.
+    static void fit(WithCoverage& covered, const Texture2D& color, const Texture2D* focus, const Texture2D* depth) {
+        const std::array<GLuint, 3> beside{color.name(), focus != nullptr ? focus->name() : 0,
+                                           depth != nullptr ? depth->name() : 0};
+        if (covered.coverage && covered.beside == beside && covered.coverage.width() == color.width() &&
+            covered.coverage.height() == color.height())
+            return;
+        covered = {.coverage = Texture2D(color.shape()), .target = {}, .beside = beside};
+        std::vector<Attachment> colors{color};
+        if (focus != nullptr) colors.emplace_back(*focus);
+        colors.emplace_back(covered.coverage);
+        covered.target = Framebuffer(colors, depth != nullptr ? Attachment(*depth) : Attachment());
     }
     static void fit(ColorAndDepth& pair, const SurfaceView& view, GLenum format, int samples = 0) {
         if (holds(pair.color, view, samples)) return;

@@ -32,6 +32,7 @@ struct VirtualLayer {
 struct PlateLayer {
     GraphTexture light;     // premultiplied radiance in probe units, a = coverage
     GraphTexture shadow;    // RGB share of the real surface's light that is left
+    GraphTexture holdouts;  // RGB share of their light that is left, premultiplied; a = coverage; empty: none in view
     GraphTexture coverage;  // RGB, where the lens parts the channels; empty: the light's own in all of them
 };
 

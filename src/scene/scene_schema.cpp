@@ -88,14 +88,17 @@ const std::vector<Setting> own_settings = {
     {"footage", "color_range", one_of({"limited", "full"}), "", "", "overrides the file's tag",
      [](Scene& s, const SettingValue& v) { s.footage.color_range = v.text; }},
     {"footage", "matte", of_kind(footage), "", "",
-     "video or pictures (`matte_%04d.png`), one for every frame: white is real and in front of everything virtual, such "
+     "video or pictures (`matte_%04d.png`), one for every frame: white is real and in front of everything virtual, "
+     "such "
      "as a hand over the tags; grey is so in part",
      [](Scene& s, const SettingValue& v) { s.footage.matte = v.path; }},
     {"footage", "depth", of_kind(footage), "", "",
-     "how far what the footage shows is along the camera's z, one for every frame: EXR pictures, 16-bit PNG or a video; "
+     "how far what the footage shows is along the camera's z, one for every frame: EXR pictures, 16-bit PNG or a "
+     "video; "
      "what is nearer than virtual things hides them; 0 is not known, and hides nothing",
      [](Scene& s, const SettingValue& v) { s.footage.depth = v.path; }},
-    {"footage", "depth_scale", above(number, 0, 1e6), "m", "", "of a unit of `depth`; 1 for EXR, else 0.001 unless given",
+    {"footage", "depth_scale", above(number, 0, 1e6), "m", "",
+     "of a unit of `depth`; 1 for EXR, else 0.001 unless given",
      [](Scene& s, const SettingValue& v) { s.footage.depth_scale = v.number; }},
 
     {"tags", "family", one_of({"tag36h11", "tag25h9", "tag16h5", "tagStandard41h12", "tagCircle21h7"}), "",

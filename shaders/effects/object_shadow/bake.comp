@@ -12,6 +12,7 @@ uniform int vertex_count;
 uniform int vertex_floats;
 uniform mat4 world_from_model;
 uniform mat3 normal_from_model;
+uniform bool is_real;
 
 void main() {
     int i = int(gl_GlobalInvocationID.x);
@@ -20,5 +21,5 @@ void main() {
     vec3 position = vec3(vertices[at], vertices[at + 1], vertices[at + 2]);
     vec3 normal = vec3(vertices[at + 3], vertices[at + 4], vertices[at + 5]);
     vec3 world_position = (world_from_model * vec4(position, 1.0)).xyz;
-    visibility[i] = vec4(object_shadow(world_position, normalize(normal_from_model * normal)), 1.0);
+    visibility[i] = vec4(object_shadow(world_position, normalize(normal_from_model * normal), is_real), 1.0);
 }

@@ -1,36 +1,72 @@
 // The share of the light over a point's hemisphere that the objects themselves let through.
 #include "common/visibility.glsl"
 
-uniform sampler2DArray object_shadow_depth;   // one layer a direction
 struct DirectionOfLight {
     vec4 to_light, light, axis_u, axis_v;   // xyz of each; light = radiance times solid angle
 };
 layout(std140, binding = 0) uniform ObjectShadowLights { DirectionOfLight object_shadow_lights[256]; };
 uniform int object_shadow_count;
+
+// One layer a direction, around a sphere of casters; radius 0: nothing casts.
+uniform sampler2DArray object_shadow_depth;
 uniform vec3 object_shadow_centre_m;
 uniform float object_shadow_radius_m;
+uniform sampler2DArray real_shadow_depth;     // of real things
+uniform vec3 real_shadow_centre_m;
+uniform float real_shadow_radius_m;
 
-vec3 object_shadow(vec3 world_position, vec3 world_normal) {
-    ivec2 size = textureSize(object_shadow_depth, 0).xy;
+// Whether a caster stands between a point and a direction of light that it sees at an angle of this cosine.
+bool is_shaded(sampler2DArray depth, vec3 centre_m, float radius_m, vec3 world_position, vec3 world_normal, int i,
+               float cosine) {
+    if (radius_m <= 0.0) return false;
+    ivec2 size = textureSize(depth, 0).xy;
     // In texels of the maps: off the surface along its normal, and towards the light where that grazes it.
-    float texel_m = 2.0 * object_shadow_radius_m / float(size.x);
-    vec3 lifted = (world_position + world_normal * (1.5 * texel_m) - object_shadow_centre_m) / object_shadow_radius_m;
+    float texel_m = 2.0 * radius_m / float(size.x);
+    vec3 lifted = (world_position + world_normal * (1.5 * texel_m) - centre_m) / radius_m;
+    vec2 at = vec2(dot(lifted, object_shadow_lights[i].axis_u.xyz), dot(lifted, object_shadow_lights[i].axis_v.xyz)) * 0.5 + 0.5;
+    if (at != clamp(at, 0.0, 1.0)) return false;  // past all of them
+    float height = dot(lifted, object_shadow_lights[i].to_light.xyz) * 0.5 + 0.5;
+    float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 0.1);
+    float bias = (0.5 + slope) / float(size.x);
+    float highest = texelFetch(depth, ivec3(min(ivec2(at * vec2(size)), size - 1), i), 0).r;
+    // 0 is no caster, and a point beyond all of them may lie lower.
+    return highest > max(height + bias, 0.0);
+}
+
+bool is_shaded_by_objects(vec3 world_position, vec3 world_normal, int i, float cosine) {
+    return is_shaded(object_shadow_depth, object_shadow_centre_m, object_shadow_radius_m, world_position, world_normal, i, cosine);
+}
+
+bool is_shaded_by_real_things(vec3 world_position, vec3 world_normal, int i, float cosine) {
+    return is_shaded(real_shadow_depth, real_shadow_centre_m, real_shadow_radius_m, world_position, world_normal, i, cosine);
+}
+
+// Whether objects take any light of a point: of most of a real thing they do not, which is soon found.
+bool is_in_shadow(vec3 world_position, vec3 world_normal) {
+    for (int i = 0; i < object_shadow_count; ++i) {
+        vec3 to_light = object_shadow_lights[i].to_light.xyz;
+        float cosine = dot(world_normal, to_light);
+        if (cosine <= 0.0) continue;
+        if (is_shaded_by_objects(world_position, world_normal, i, cosine) || light_left_along(world_position, to_light) < 1.0) return true;
+    }
+    return false;
+}
+
+// With the casters over without. Of light that real things shade a virtual surface has none, and a real one, which the
+// footage shows without it, none to lose.
+vec3 object_shadow(vec3 world_position, vec3 world_normal, bool is_real) {
+    if (is_real && !is_in_shadow(world_position, world_normal)) return vec3(1.0);
     vec3 open = vec3(0.0);
     vec3 all = vec3(0.0);
     for (int i = 0; i < object_shadow_count; ++i) {
         vec3 to_light = object_shadow_lights[i].to_light.xyz;
         float cosine = dot(world_normal, to_light);
         if (cosine <= 0.0) continue;
+        bool real_shades = is_shaded_by_real_things(world_position, world_normal, i, cosine);
+        if (is_real && real_shades) continue;
         vec3 light = object_shadow_lights[i].light.rgb * cosine;
         all += light;
-        vec3 axis_u = object_shadow_lights[i].axis_u.xyz;
-        vec3 axis_v = object_shadow_lights[i].axis_v.xyz;
-        vec2 at = vec2(dot(lifted, axis_u), dot(lifted, axis_v)) * 0.5 + 0.5;
-        float height = dot(lifted, to_light) * 0.5 + 0.5;
-        float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 0.1);
-        float bias = (0.5 + slope) / float(size.x);
-        float highest = texelFetch(object_shadow_depth, ivec3(clamp(ivec2(at * vec2(size)), ivec2(0), size - 1), i), 0).r;
-        if (highest > height + bias) continue;
+        if (real_shades || is_shaded_by_objects(world_position, world_normal, i, cosine)) continue;
         open += light * light_left_along(world_position, to_light);
     }
     return vec3(all.r > 0.0 ? open.r / all.r : 1.0, all.g > 0.0 ? open.g / all.g : 1.0, all.b > 0.0 ? open.b / all.b : 1.0);

@@ -40,11 +40,12 @@ void ObjectShadowSettings::check() const {
 
 ObjectShadow::ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters,
                            const std::vector<DirectionalSample>& samples, const ObjectShadowSettings& settings)
-    : centre_m_(casters.bounds_m.center()),
-      radius_m_(casters.bounds_m.diagonal().norm() / 2),
-      directions_(static_cast<int>(samples.size())),
-      resolution_(settings.resolution) {
+    : directions_(static_cast<int>(samples.size())), resolution_(settings.resolution) {
     settings.check();
+    if (!casters.bounds_m.isEmpty()) {
+        centre_m_ = casters.bounds_m.center();
+        radius_m_ = casters.bounds_m.diagonal().norm() / 2;
+    }
     depth_ = Texture2D(
         {.format = GL_DEPTH_COMPONENT32F, .width = resolution_, .height = resolution_, .layers = directions_});
     std::vector<DirectionOfLight> lights;
@@ -68,7 +69,7 @@ ObjectShadow::ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters,
         program.set("direction_to_light", Eigen::Vector3f(to_light.cast<float>()));
         program.set("axis_u", Eigen::Vector3f(axis_u.cast<float>()));
         program.set("axis_v", Eigen::Vector3f(axis_v.cast<float>()));
-        casters.draw(program);
+        if (radius_m_ > 0) casters.draw(program);
         lights.push_back({four(to_light), four(samples[i].radiance_times_solid_angle), four(axis_u), four(axis_v)});
     }
     glDisable(GL_DEPTH_TEST);
@@ -81,6 +82,14 @@ void ObjectShadow::bind(Program& program, GLuint unit) const {
     program.set("object_shadow_count", directions_);
     program.set("object_shadow_centre_m", Eigen::Vector3f(centre_m_.cast<float>()));
     program.set("object_shadow_radius_m", radius_m_);
+    program.bind_texture("real_shadow_depth", unit, depth_);
+    program.set("real_shadow_radius_m", 0.0);
+}
+
+void ObjectShadow::bind_as_real(Program& program, GLuint unit) const {
+    program.bind_texture("real_shadow_depth", unit, depth_);
+    program.set("real_shadow_centre_m", Eigen::Vector3f(centre_m_.cast<float>()));
+    program.set("real_shadow_radius_m", radius_m_);
 }
 
 }  // namespace matchlight

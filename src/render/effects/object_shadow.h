@@ -5,6 +5,9 @@
 // what a point's hemisphere loses is weighed by each direction's light and cosine, so that one mechanism gives shadows
 // between objects, on themselves, and ambient occlusion. Light that comes up from the surface is dimmed by the
 // contact shadow where it left.
+//
+// Holdouts cast on objects like these do. On holdouts themselves the share is light with the objects over light
+// without, and both without what real things shade, for the plate shows that already: the ratio that dims the plate.
 #pragma once
 
 #include <vector>
@@ -33,8 +36,10 @@ public:
     ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters, const std::vector<DirectionalSample>& samples,
                  const ObjectShadowSettings& settings);
 
-    /// Sets the uniforms of effects/object_shadow/object_shadow.glsl; takes one texture unit.
+    /// Sets the uniforms of effects/object_shadow/object_shadow.glsl; takes one texture unit. No real thing shades.
     void bind(Program& program, GLuint unit) const;
+    /// After another's bind(): this one's casters are real things, their directions the same.
+    void bind_as_real(Program& program, GLuint unit) const;
 
     int directions() const { return directions_; }
 
