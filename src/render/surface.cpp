@@ -443,7 +443,7 @@ std::vector<PlacedMesh> SurfaceRenderer::read_meshes() const {
             }
             next.indices = mesh.geometry.read_indices();
             next.object = static_cast<std::size_t>(&object - objects_.data());
-            next.casts_shadow = object.casts(mesh);
+            next.casts_shadow = !object.is_holdout && object.casts(mesh);
             next.is_holdout = object.is_holdout;
             next.reflectance = object.material_of(mesh).reflectance();
         }
