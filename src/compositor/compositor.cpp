@@ -57,11 +57,12 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
 }
 
 void Compositor::Impl::open_side_footage(const Scene& scene) {
+    const Camera frame = without_overscan(solve.camera, options.overscan);
     const auto side = [&](const std::filesystem::path& path) {
         return SideFootage{.path = path,
                            .footage = scene.footage.video,
-                           .width = solve.camera.width,
-                           .height = solve.camera.height,
+                           .width = frame.width,
+                           .height = frame.height,
                            .frames = solve.frame_count,
                            .scale = scene.footage.depth_scale};
     };

@@ -11,6 +11,19 @@
 
 namespace matchlight {
 
+namespace {
+
+/// Zero around the frame, of which nothing is known.
+ImageF beyond_frame(ImageF picture, const Overscan& overscan) {
+    if (!overscan.any()) return picture;
+    ImageF wider(picture.width() + 2 * overscan.x, picture.height() + 2 * overscan.y, 1);
+    for (int y = 0; y < picture.height(); ++y)
+        std::ranges::copy(picture.row(y), wider.row(y + overscan.y).begin() + overscan.x);
+    return wider;
+}
+
+}  // namespace
+
 FrameOptics Compositor::Impl::optics_of(const SolvedFrame& frame) const {
     FrameOptics optics;
     if (frame.camera_from_world) optics.camera_from_world = *frame.camera_from_world;
@@ -273,8 +286,8 @@ std::optional<FramePlan> Compositor::Impl::plan_of(const PlateFrame& plate, bool
         graph.leave_out("surface", "no object is in view, and none of its shadow");
         return std::nullopt;
     }
-    if (plan.posed && matte) plan.matte = matte->coverage(plate.index());
-    if (plan.posed && depth) plan.inverse_depth = depth->inverse_depth(plate.index());
+    if (plan.posed && matte) plan.matte = beyond_frame(matte->coverage(plate.index()), options.overscan);
+    if (plan.posed && depth) plan.inverse_depth = beyond_frame(depth->inverse_depth(plate.index()), options.overscan);
     prepare_composite(format);
     return plan;
 }
