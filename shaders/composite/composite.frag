@@ -139,7 +139,7 @@ void main() {
 #else
     vec3 kept = ratio * (1.0 - coverage);
 #endif
-    bool touched = any(greaterThan(coverage, vec3(0.0))) || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(lessThan(ratio, vec3(1.0))) ||
+    bool touched = any(greaterThan(coverage, vec3(0.0))) || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(notEqual(ratio, vec3(1.0))) ||
                    white_light > 0.0;
 #ifdef NO_FOOTAGE
     touched = true;  // no pixel has been anyone's before

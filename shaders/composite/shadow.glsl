@@ -2,7 +2,7 @@
 
 uniform float surface_z_m;
 uniform int shadow_present;
-uniform float least_visible_loss;    // a shadow that takes less than this share of the light is none
+uniform float least_visible_loss;    // a shadow that changes less than this share of the light is none
 uniform mat3 world_from_camera;
 uniform vec3 eye_world_m;
 
@@ -22,5 +22,5 @@ vec3 shadow_over_pixel(vec2 normalized) {
 
 vec3 visible_shadow(vec2 normalized) {
     vec3 ratio = shadow_over_pixel(normalized);
-    return all(greaterThan(ratio, vec3(1.0 - least_visible_loss))) ? vec3(1.0) : ratio;
+    return all(lessThan(abs(ratio - 1.0), vec3(least_visible_loss))) ? vec3(1.0) : ratio;
 }

@@ -3,6 +3,12 @@
 #include "common/environment.glsl"
 #include "common/material.glsl"
 #include "common/visibility.glsl"
+#include "common/near_light.glsl"
+#include "common/scattering.glsl"
+#ifdef RAYS
+#include "common/object_light.glsl"
+#include "surface/lobe.glsl"
+#endif
 #ifdef LENS
 #include "surface/lens_focus.glsl"
 #endif
@@ -13,6 +19,11 @@ in vec4 world_tangent;
 in vec2 material_uv;
 in vec4 vertex_color;
 in vec3 vertex_visibility;  // of the light over the hemisphere, past other objects
+#ifdef RAYS
+in vec3 vertex_bounce;      // irradiance over π that comes from other objects
+uniform int lobe_rays;      // a fragment, along the lobe of a rough surface
+vec3 seen_side;             // the triangle's normal towards the eye
+#endif
 
 uniform vec3 eye_world;
 uniform bool reflects_sphere_map = false;
@@ -36,9 +47,6 @@ float specular_occlusion(float n_dot_v, float occlusion, float roughness) {
     return clamp(pow(n_dot_v + occlusion, exp2(-16.0 * roughness - 1.0)) - 1.0 + occlusion, 0.0, 1.0);
 }
 
-// Standard deviation of the reflected directions of a GGX lobe's core, in units of alpha.
-const float lobe_width = 1.09;
-
 // Roughness widened by what one pixel covers of the reflected directions, so that small lights on curved mirrors are
 // averaged, not missed or hit by chance (after Tokuyoshi & Kaplanyan 2019, "Improved Geometric Specular Antialiasing",
 // with the spread of the reflection in place of the half vector's). A pixel that spans an angle f has the variance f²/12;
@@ -51,36 +59,98 @@ float widened_roughness(float roughness, vec3 reflected_dx, vec3 reflected_dy) {
     return min(sqrt(sqrt(alpha2)), 1.0);
 }
 
+// What comes along a direction, and how much of it the objects leave.
+vec3 light_from(vec3 direction, float roughness) {
+#ifdef RAYS
+    // An interpolated normal may send a ray into the triangle.
+    float rise = dot(direction, seen_side);
+    const float least_rise = 1e-3;
+    if (rise < least_rise) direction = normalize(direction + (least_rise - rise) * seen_side);
+    return light_along(point_off(world_position, seen_side), direction, roughness, 1.0);
+#elif defined(PLANE)
+    return light_beyond_objects(world_position, direction, roughness);
+#else
+    return reflected_radiance(direction_in_probe(world_position, direction), roughness) *
+           light_left_along(world_position, direction);
+#endif
+}
+
 // What comes along a reflected direction; with a lens, as far as the picture is not to be blurred for it.
 vec3 mirrored_radiance(vec3 direction, float roughness) {
 #ifdef LENS
     // As many points as the disc has pixels; more than a few dozen are not told apart. A single point is in the loop, too:
     // of two ways some drivers go both.
     bool is_spread = reflection_left_px >= least_left_px && !is_blurred_by(lobe_width * roughness * roughness);
-    int count = is_spread ? clamp(int(reflection_left_px * reflection_left_px), 8, 64) : 1;
+#ifdef RAYS
+    const int most_points = 16;  // rays cost more than looks into the probe
+#else
+    const int most_points = 64;
+#endif
+    int count = is_spread ? clamp(int(reflection_left_px * reflection_left_px), 8, most_points) : 1;
     vec3 sum = vec3(0.0);
     for (int i = 0; i < count; ++i) {
         vec3 turned = count == 1 ? direction : normalize(direction + turn_through_lens(i, count));
-        sum += reflected_radiance(direction_in_probe(world_position, turned), roughness);
+        sum += light_from(turned, roughness);
     }
     return sum / float(count);
 #else
-    return reflected_radiance(direction_in_probe(world_position, direction), roughness);
+    return light_from(direction, roughness);
 #endif
 }
 
-// Light that a GGX surface reflects at its first meeting with it, and after several.
-struct Scattering {
-    vec3 single, multiple;
-};
+#ifdef RAYS
+// What the lobe of a rough surface shows: rays along it, each as wide as its share of the lobe (Křivánek & Colbert 2008,
+// "Real-time Shading with Filtered Importance Sampling"), over the sum of their weights (Stachowiak 2015, "Stochastic
+// Screen-Space Reflections"), so that even light comes out as it is.
+vec3 lobe_radiance(vec3 n, vec3 v, float roughness, vec3 reflected_dx, vec3 reflected_dy) {
+    // The lobe's variance, which goes with alpha², is shared between where the rays go and how wide each is: wide enough
+    // to leave no gaps between them, in which a small lamp would flicker.
+    const float overlap = 4.0;
+    float ray_share = min(overlap / float(4 * lobe_rays), 0.75);
+    float ray_roughness = widened_roughness(roughness * sqrt(sqrt(ray_share)), reflected_dx, reflected_dy);
+    float alpha = roughness * roughness * sqrt(1.0 - ray_share);
+    mat3 world_from_surface = frame_about(n);
+    vec3 eye = v * world_from_surface;
+    // Four fragments side by side share one sequence.
+    uvec2 at = uvec2(gl_FragCoord.xy);
+    uvec2 start = uvec2(scrambled((at.x >> 1u) + 65536u * (at.y >> 1u)), 0u);
+    start.y = scrambled(start.x);
+    uint first = uint(lobe_rays) * ((at.x & 1u) + 2u * (at.y & 1u));
+    float eye_lambda = smith_lambda(eye.z, alpha);
+    vec3 sum = vec3(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < lobe_rays; ++i) {
+        vec3 h = visible_half_vector(eye, alpha, spread_point(first + uint(i), start));
+        vec3 direction = reflect(-eye, h);
+        if (direction.z <= 0.0) continue;
+        float weight = (1.0 + eye_lambda) / (1.0 + eye_lambda + smith_lambda(direction.z, alpha));
+        sum += weight * light_from(world_from_surface * direction, ray_roughness);
+        weights += weight;
+    }
+    return weights > 0.0 ? sum / weights : light_from(reflect(-v, n), ray_roughness);
+}
 
-// Fdez-Agüera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting": what the split sum
-// misses comes back as if diffuse, so that a white surface in white light sends back all of it.
-Scattering scattering(vec3 f0, vec2 table) {
-    vec3 single = f0 * table.x + table.y;
-    float missing = 1.0 - (table.x + table.y);
-    vec3 mean_fresnel = f0 + (1.0 - f0) / 21.0;
-    return Scattering(single, missing * single * mean_fresnel / (1.0 - mean_fresnel * missing));
+// Whether a lobe is wide against what the directions of neighbouring fragments span.
+bool is_wide_lobe(float roughness, vec3 reflected_dx, vec3 reflected_dy) {
+    float span2 = 0.5 * (dot(reflected_dx, reflected_dx) + dot(reflected_dy, reflected_dy));
+    return lobe_rays > 1 && lobe_width * lobe_width * pow(roughness, 4.0) > span2 / 12.0;
+}
+#endif
+
+// What a rough surface shows in the place of its mirror image.
+vec3 glossy_radiance(vec3 n, vec3 v, vec3 reflected, float roughness, vec3 reflected_dx, vec3 reflected_dy) {
+#if defined(RAYS)
+#if defined(LENS)
+    bool is_spread = reflection_left_px >= least_left_px && !is_blurred_by(lobe_width * roughness * roughness);
+#else
+    const bool is_spread = false;
+#endif
+    if (!is_spread && is_wide_lobe(roughness, reflected_dx, reflected_dy))
+        return lobe_radiance(n, v, roughness, reflected_dx, reflected_dy);
+#endif
+    // The lobe of a rough surface leans towards the normal.
+    vec3 dominant = normalize(mix(reflected, n, pow(roughness, 4.0)));
+    return mirrored_radiance(dominant, widened_roughness(roughness, reflected_dx, reflected_dy));
 }
 
 void main() {
@@ -103,15 +173,22 @@ void main() {
     focus_reflection(n, v, length(eye_world - world_position), reflected_dx, reflected_dy);
 #endif
     vec3 diffuse_light = diffuse_radiance(n) * vertex_visibility;
+#ifdef RAYS
+    diffuse_light += vertex_bounce;
+    seen_side = cross(dFdx(world_position), dFdy(world_position));
+    seen_side = dot(seen_side, seen_side) > 0.0 ? normalize(seen_side) : n;
+    if (dot(seen_side, v) < 0.0) seen_side = -seen_side;
+#endif
 
     vec3 radiance, reflection;
     float reflection_roughness = 0.0;
     if (reflects_sphere_map || is_classic) {
         vec3 seen = direction_in_probe(world_position, reflected);
         vec3 environment = reflects_sphere_map
-                               ? texture(environment_sphere_map, sphere_map_uv(seen)).rgb
+                               ? texture(environment_sphere_map, sphere_map_uv(seen)).rgb *
+                                     light_left_along(world_position, reflected)
                                : mirrored_radiance(reflected, widened_roughness(0.0, reflected_dx, reflected_dy));
-        reflection = classic_specular * environment * light_left_along(world_position, reflected);
+        reflection = classic_specular * environment;
         radiance = classic_diffuse * diffuse_light + reflection;
     } else {
         vec2 metallic_roughness = metallic_roughness_at(material_uv);
@@ -119,21 +196,11 @@ void main() {
         float roughness = metallic_roughness.y;
         float occlusion = occlusion_at(material_uv);
         vec2 table = split_sum(n_dot_v, roughness);
-        // A mixture of two materials, so that each keeps its own energy: glTF 2.0, appendix B.
-        Scattering dielectric = scattering(vec3(0.04), table);
-        Scattering metal = scattering(base.rgb, table);
-        vec3 single = mix(dielectric.single, metal.single, metallic);
-        vec3 multiple = mix(dielectric.multiple, metal.multiple, metallic);
-        vec3 transmitted = (1.0 - metallic) * base.rgb * (1.0 - dielectric.single - dielectric.multiple);
-
-        // The lobe of a rough surface leans towards the normal.
-        vec3 dominant = normalize(mix(reflected, n, pow(roughness, 4.0)));
-        vec3 glossy = mirrored_radiance(dominant, widened_roughness(roughness, reflected_dx, reflected_dy)) *
-                      light_left_along(world_position, dominant) *
-                      specular_occlusion(n_dot_v, occlusion, roughness);
-        reflection = single * glossy;
+        MaterialScattering sent = material_scattering(base.rgb, metallic, table);
+        reflection = sent.mirrored * glossy_radiance(n, v, reflected, roughness, reflected_dx, reflected_dy) *
+                     specular_occlusion(n_dot_v, occlusion, roughness);
         reflection_roughness = roughness;
-        radiance = reflection + (multiple + transmitted) * diffuse_light * occlusion;
+        radiance = reflection + sent.diffuse * diffuse_light * occlusion;
     }
     radiance += emissive_at(material_uv);
 #ifdef LENS

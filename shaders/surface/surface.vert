@@ -17,6 +17,12 @@ out vec4 world_tangent;
 out vec2 material_uv;
 out vec4 vertex_color;
 out vec3 vertex_visibility;
+#ifdef RAYS
+// Over all meshes (render/ray_scene.h).
+uniform samplerBuffer ray_bounced;
+uniform int first_vertex;
+out vec3 vertex_bounce;
+#endif
 
 // Drawn again by another program, a vertex is where it was.
 invariant gl_Position;
@@ -28,5 +34,8 @@ void main() {
     material_uv = texture_uv;
     vertex_color = color;
     vertex_visibility = visibility.rgb;
+#ifdef RAYS
+    vertex_bounce = texelFetch(ray_bounced, first_vertex + gl_VertexID).rgb;
+#endif
     gl_Position = clip_from_model * vec4(position, 1.0);
 }

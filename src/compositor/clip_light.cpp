@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "lighting/probe.h"
+#include "render/effects/bounce_light.h"
 #include "scene/object_motion.h"
 
 namespace matchlight {
@@ -18,6 +19,7 @@ constexpr float even_light = 0.5f;
 
 constexpr const char* contact_pass = "shadow/contact";
 constexpr const char* between_pass = "shadow/between objects";
+constexpr const char* bounce_pass = "light/bounced";
 
 Probe even_probe() {
     Probe probe;
@@ -35,14 +37,16 @@ Probe probe_of(const Scene& scene, Warnings& warnings) {
 
 }  // namespace
 
-ClipLight::ClipLight(ShaderLibrary& shaders, SurfaceRenderer& surfaces, const Scene& scene, const Quality& quality,
+ClipLight::ClipLight(ShaderLibrary& shaders, const Lit& lit, const Scene& scene, const Quality& quality,
                      Warnings& warnings)
     : shaders_(shaders),
-      surfaces_(surfaces),
+      surfaces_(lit.surfaces),
+      rays_(lit.objects.rays()),
       surface_(scene.surface),
       quality_(quality),
       shadows_hold_for_(std::ranges::any_of(scene.objects, moves) ? "where the objects stand" : "the clip"),
-      probe_(probe_of(scene, warnings)) {
+      probe_(probe_of(scene, warnings)),
+      surface_picture_(quality.reflection.level == ReflectionLevel::environment ? nullptr : lit.gathered_surface) {
     if (scene.probe) probe_place_m_ = scene.probe->place_m;
     environment_ = std::make_unique<Environment>(
         shaders, probe_, EnvironmentSettings{.face_size = quality.mirror_face_px, .maps_at_once = false});
@@ -62,28 +66,41 @@ ShadowCasters ClipLight::real_casters() {
 }
 
 void ClipLight::describe_surface() {
+    shading_.shows_surface = surface_picture_.present();
+    shading_.traces_rays = rays_ != nullptr && !rays_->empty();
+    shading_.bind = [this](Program& program) {
+        bind_shading(program);
+        if (!shading_.traces_rays) return;
+        rays_->bind(program);
+        program.set("lobe_rays", quality_.reflection.lobe_rays);
+        program.set("ray_bounces", quality_.reflection.bounces);
+    };
+}
+
+void ClipLight::bind_shading(Program& program) const {
     // The probe shows the surface from its own place; without that place the surface is taken as far away.
     const bool is_near = surface_.present && probe_place_m_ && probe_place_m_->z() > surface_.z_m;
     const Eigen::Vector3d place_m = is_near ? *probe_place_m_ : Eigen::Vector3d::Zero();
-    shading_.bind = [this, is_near, place_m](Program& program) {
-        constexpr GLuint unit = SurfaceShading::first_free_unit;
-        program.set("surface_z_m", surface_.z_m);
-        program.set("surface_is_near", is_near);
-        program.set("probe_place_m", Eigen::Vector3f(place_m.cast<float>()));
-        program.set("surface_shadow_present", contact_shadow_.has_value());
-        if (contact_shadow_) {
-            contact_shadow_->bind(program, unit);
-        } else {
-            program.bind_texture("shadow_fine", unit, no_shadow_);
-            program.bind_texture("shadow_far", unit + 1, no_shadow_);
-        }
-    };
+    constexpr GLuint unit = SurfaceShading::first_free_unit;
+    constexpr GLuint picture_unit = unit + 4;  // after what shadows between objects take
+    surface_picture_.bind(program, picture_unit);
+    program.set("surface_z_m", surface_.z_m);
+    program.set("surface_is_near", is_near);
+    program.set("probe_place_m", Eigen::Vector3f(place_m.cast<float>()));
+    program.set("surface_shadow_present", contact_shadow_.has_value());
+    if (contact_shadow_) {
+        contact_shadow_->bind(program, unit);
+    } else {
+        program.bind_texture("shadow_fine", unit, no_shadow_);
+        program.bind_texture("shadow_far", unit + 1, no_shadow_);
+    }
 }
 
 std::vector<PassInput> ClipLight::add_passes(RenderGraph& graph) {
     std::vector<PassInput> inputs;
     add_environment(graph, inputs);
     add_shadows(graph, inputs);
+    add_bounces(graph, inputs);
     return inputs;
 }
 
@@ -104,6 +121,7 @@ void ClipLight::add_environment(RenderGraph& graph, std::vector<PassInput>& inpu
 void ClipLight::forget_shadows(RenderGraph& graph, bool casters) {
     if (casters) graph.forget_kept(contact_pass);
     graph.forget_kept(between_pass);
+    graph.forget_kept(bounce_pass);
 }
 
 void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) {
@@ -124,6 +142,7 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
                             contact_shadow_ = make_contact_shadow(
                                 shaders_, casters(),
                                 make_surface_light(probe_, surface_.z_m, quality_.shadow.directions), quality_.shadow);
+                            if (contact_shadow_ && bounces()) cast_shadow_ = contact_shadow_->copy();
                         }});
         contact_input.push_back({map});
         inputs.push_back({map});
@@ -141,7 +160,18 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
     inputs.push_back({baked});
 }
 
+bool ClipLight::bounces() const {
+    return shading_.traces_rays && quality_.bounce.rays > 0;
+}
+
+/// What bounced before, from objects that stood elsewhere, is not in it.
+void ClipLight::restore_cast_shadow() {
+    if (cast_shadow_) contact_shadow_ = cast_shadow_->copy();
+}
+
 void ClipLight::bake_object_shadow() {
+    restore_cast_shadow();
+    has_visibility_ = false;
     const auto samples = sample_directions(probe_, quality_.object_shadow.directions, -1, false);
     const bool reals_cast = !surfaces_.real_caster_bounds_m().isEmpty();
     if (samples.empty() || (surfaces_.shadow_caster_bounds_m().isEmpty() && !reals_cast)) return;
@@ -155,8 +185,41 @@ void ClipLight::bake_object_shadow() {
         bake.use();
         real_shadow->bind_as_real(bake, SurfaceShading::first_free_unit + 3);
     }
-    shading_.bind(bake);
+    bind_shading(bake);
     surfaces_.bake_visibility(bake);
+    has_visibility_ = true;
+}
+
+void ClipLight::add_bounces(RenderGraph& graph, std::vector<PassInput>& inputs) {
+    if (!shading_.traces_rays) {
+        const bool traces = quality_.reflection.level == ReflectionLevel::rays;
+        return graph.leave_out(bounce_pass, traces ? "rays meet no object" : "this quality level traces no rays");
+    }
+    const GraphTexture bounced = graph.import(nullptr, {.format = GL_NONE, .region = {}});
+    graph.add_pass({.name = bounce_pass,
+                    .reads = inputs,
+                    .writes = {},
+                    .provides = {bounced},
+                    .once = true,
+                    .once_for = shadows_hold_for_,
+                    .draw = [this](PassRun&) { bounce_light(); }});
+    inputs.push_back({bounced});
+}
+
+void ClipLight::bounce_light() {
+    restore_cast_shadow();
+    const BouncingObjects objects{.surfaces = surfaces_,
+                                  .rays = *rays_,
+                                  .bind_light =
+                                      [this](Program& program) {
+                                          environment_->bind(program);
+                                          bind_shading(program);
+                                      },
+                                  .has_visibility = has_visibility_};
+    bounce_between_objects(shaders_, objects, quality_.bounce);
+    if (!contact_shadow_ || !bounces()) return;
+    bounce_to_surface(shaders_, objects, *contact_shadow_, bounce_reach(surfaces_.shadow_caster_bounds_m(), surface_.z_m),
+                      irradiance(probe_, Eigen::Vector3d::UnitZ()), quality_.bounce);
 }
 
 }  // namespace matchlight

@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "compositor/quality.h"
+#include "compositor/scene_objects.h"
 #include "core/warnings.h"
 #include "render/effects/contact_shadow.h"
 #include "render/environment.h"
 #include "render/graph.h"
+#include "render/surface_picture_map.h"
 #include "render/surface.h"
 #include "scene/scene_file.h"
 
@@ -18,10 +20,14 @@ namespace matchlight {
 
 class ClipLight {
 public:
-    /// `surfaces` holds the scene's objects already, and outlives this. Throws InputError where the probe cannot be
-    /// read.
-    ClipLight(ShaderLibrary& shaders, SurfaceRenderer& surfaces, const Scene& scene, const Quality& quality,
-              Warnings& warnings);
+    /// What is lit: `objects`, which `surfaces` holds, are there already and outlive this.
+    struct Lit {
+        SceneObjects& objects;
+        SurfaceRenderer& surfaces;
+        std::shared_ptr<const GatheredSurface> gathered_surface = {};  // null: the surface is as the probe saw it
+    };
+    /// Throws InputError where the probe cannot be read.
+    ClipLight(ShaderLibrary& shaders, const Lit& lit, const Scene& scene, const Quality& quality, Warnings& warnings);
 
     /// The passes that make what the scene needs, drawn once over all frames; returns what drawing surfaces reads.
     std::vector<PassInput> add_passes(RenderGraph& graph);
@@ -40,18 +46,27 @@ private:
     ShadowCasters real_casters();
     void add_environment(RenderGraph& graph, std::vector<PassInput>& inputs);
     void add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs);
+    bool bounces() const;
+    void restore_cast_shadow();
     void bake_object_shadow();
+    void add_bounces(RenderGraph& graph, std::vector<PassInput>& inputs);
+    void bounce_light();
     void describe_surface();
+    void bind_shading(Program& program) const;
 
     ShaderLibrary& shaders_;
     SurfaceRenderer& surfaces_;
+    RayScene* rays_;  // null: none are traced
     SurfaceSettings surface_;
     std::optional<Eigen::Vector3d> probe_place_m_;
     Quality quality_;
     std::string shadows_hold_for_;  // what the maps of shadows are made once for
     Probe probe_;
     std::unique_ptr<Environment> environment_;
-    std::optional<ContactShadow> contact_shadow_;
+    std::optional<ContactShadow> cast_shadow_;     // as cast; empty where no light bounces
+    std::optional<ContactShadow> contact_shadow_;  // with what bounces to the surface
+    SurfacePictureMap surface_picture_;
+    bool has_visibility_ = false;  // baked at the vertices
     SurfaceShading shading_;
     Texture2D no_shadow_{TextureShape{.format = GL_RGBA32F, .width = 2, .height = 2}};
 };

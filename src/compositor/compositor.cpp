@@ -46,7 +46,11 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
     open_side_footage(scene);
     load_objects(scene, warnings);
     for (const ObjectSettings& object : scene.objects) object_names.push_back(object.name);
-    light.emplace(shaders, surfaces, scene, quality, warnings);
+    light.emplace(shaders,
+                  ClipLight::Lit{.objects = *scene_objects,
+                                 .surfaces = surfaces,
+                                 .gathered_surface = options.gathered_surface},
+                  scene, quality, warnings);
     if (scene.camera) {
         virtual_fps = scene.camera->fps;
         background.emplace(scene.background, light->probe(), solve.camera.width, solve.camera.height, warnings);
@@ -74,7 +78,9 @@ void Compositor::Impl::load_objects(const Scene& scene, Warnings& the_warnings) 
     const bool shade_each_other =
         quality.object_shadow.directions > 0 && std::ranges::any_of(scene.objects, &ObjectSettings::casts_shadow);
     const ClipTime start = solve.frames.empty() ? ClipTime{} : time_of(solve.frames.front());
-    scene_objects.emplace(surfaces, scene, solve, start, shade_each_other, the_warnings);
+    const ObjectPreparation preparation{.fine_meshes = shade_each_other,
+                                        .traced = quality.reflection.level == ReflectionLevel::rays};
+    scene_objects.emplace(surfaces, scene, solve, start, preparation, the_warnings);
 }
 
 void Compositor::Impl::make_light() {

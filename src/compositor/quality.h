@@ -6,11 +6,22 @@
 #include <string_view>
 #include <utility>
 
+#include "render/effects/bounce_light.h"
 #include "render/effects/contact_shadow.h"
 #include "render/effects/object_shadow.h"
 #include "scene/scene_file.h"
 
 namespace matchlight {
+
+/// What is near in what objects mirror: nothing but where the probe saw it, the real surface as the clip shows it, the
+/// other objects by rays, too.
+enum class ReflectionLevel { environment, plane, rays };
+
+struct ReflectionSettings {
+    ReflectionLevel level = ReflectionLevel::rays;
+    int lobe_rays = 2;  // a sample of the picture, along the lobe of a rough surface, 1..64
+    int bounces = 4;    // mirrors within mirrors, 1..16
+};
 
 struct Quality {
     int supersampling = 2;     // layer pixels along each side of a plate pixel, each with `samples` samples
@@ -18,6 +29,8 @@ struct Quality {
     int mirror_face_px = 512;  // the reflection cube's sharpest level
     ContactShadowSettings shadow;
     ObjectShadowSettings object_shadow;
+    ReflectionSettings reflection = {};
+    BounceLightSettings bounce = {};
     // Levels of the camera's effects; each effect says what they are.
     QualityLevel bloom = QualityLevel::final_;
     QualityLevel glare = QualityLevel::final_;
@@ -29,14 +42,26 @@ struct Quality {
 inline Quality quality_of(QualityLevel level) {
     switch (level) {
         case QualityLevel::draft:
-            return {1,     1,     128,  {.directions = 16, .resolution = 256}, {.directions = 0}, level, level,
-                    level, level, level};
+            return {1,
+                    1,
+                    128,
+                    {.directions = 16, .resolution = 256},
+                    {.directions = 0},
+                    {.level = ReflectionLevel::environment},
+                    {.rays = 0},
+                    level,
+                    level,
+                    level,
+                    level,
+                    level};
         case QualityLevel::preview:
             return {1,
                     1,
                     256,
                     {.directions = 32, .resolution = 512},
                     {.directions = 32, .resolution = 128},
+                    {.level = ReflectionLevel::plane},
+                    {.rays = 0},
                     level,
                     level,
                     level,
@@ -48,6 +73,8 @@ inline Quality quality_of(QualityLevel level) {
                     1024,
                     {.directions = 1024, .resolution = 2048, .lost_share = 0.0005},
                     {.directions = 256, .resolution = 512},
+                    {.lobe_rays = 8, .bounces = 6},
+                    {.rays = 256, .surface_rays = 1024, .bounces = 6, .surface_points = 192},
                     level,
                     level,
                     level,

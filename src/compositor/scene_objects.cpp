@@ -56,15 +56,16 @@ void add_back_sides(Model& model) {
 }  // namespace
 
 SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const Solve& solve, const ClipTime& time,
-                           bool fine_meshes, Warnings& warnings)
+                           const ObjectPreparation& preparation, Warnings& warnings)
     : surfaces_(surfaces) {
+    if (preparation.traced) rays_.emplace();
     int id = 0;
     for (const ObjectSettings& object : scene.objects) {
         if (moves(object)) moving_.push_back(objects_.size());
         objects_.push_back({object, world_from_parent(object, solve, scene.path)});
         Model model = object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
         if (!object.material.texture.empty()) set_base_color_texture(model, object.material.texture);
-        if (fine_meshes) shorten_edges(model, object.holdout);
+        if (preparation.fine_meshes) shorten_edges(model, object.holdout);
         if (object.holdout) add_back_sides(model);
         surfaces.add_object({.model = &model,
                              .world_from_model = world_from_model(objects_.size() - 1, time),
@@ -73,7 +74,9 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
                              .id = ++id,
                              .casts_shadow = object.casts_shadow,
                              .is_holdout = object.holdout});
+        if (rays_) rays_->add_object(model, object.material, object.holdout);
     }
+    if (rays_) rays_->finish();
     place(time);
 }
 
@@ -88,6 +91,10 @@ void SceneObjects::place(const ClipTime& time) {
         placed_.push_back(world_from_model(object, time));
         surfaces_.place_object(object, placed_.back());
     }
+    if (!rays_) return;
+    std::vector<Eigen::Matrix4d> placements;
+    for (std::size_t i = 0; i < objects_.size(); ++i) placements.push_back(surfaces_.world_from_model(i));
+    rays_->place(placements);
 }
 
 PlacementChange SceneObjects::change_since_lit() const {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "core/warnings.h"
+#include "render/ray_scene.h"
 #include "render/surface.h"
 #include "scene/object_motion.h"
 #include "scene/scene_file.h"
@@ -20,12 +22,20 @@ struct PlacementChange {
     bool casters = false;  // among them one that casts a shadow
 };
 
+/// How the scene's objects are made ready.
+struct ObjectPreparation {
+    bool fine_meshes = false;  // long edges are divided, so that light between objects, kept at vertices, shows
+    bool traced = false;       // rays meet them
+};
+
 class SceneObjects {
 public:
-    /// Loads the scene's objects into `surfaces`, which outlives this, as they stand at `time`. With `fine_meshes` long
-    /// edges are divided, so that shadows between objects, kept at vertices, show. Throws InputError.
+    /// Loads the scene's objects into `surfaces`, which outlives this, as they stand at `time`. Throws InputError.
     SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const Solve& solve, const ClipTime& time,
-                 bool fine_meshes, Warnings& warnings);
+                 const ObjectPreparation& preparation, Warnings& warnings);
+
+    /// Null where nothing is traced.
+    RayScene* rays() { return rays_ ? &*rays_ : nullptr; }
 
     bool any_moves() const { return !moving_.empty(); }
     /// Puts every object that moves where it is at `time`.
@@ -42,6 +52,7 @@ private:
         Eigen::Affine3d world_from_parent;
     };
     SurfaceRenderer& surfaces_;
+    std::optional<RayScene> rays_;
     std::vector<Object> objects_;
     std::vector<std::size_t> moving_;      // indices of objects
     std::vector<Eigen::Matrix4d> placed_;  // one a moving object

@@ -106,6 +106,17 @@ Buffer::Buffer(std::size_t bytes) : bytes_(bytes) {
     glNamedBufferStorage(name, static_cast<GLsizeiptr>(bytes), nullptr, GL_DYNAMIC_STORAGE_BIT);
 }
 
+BufferTexture::BufferTexture(const Buffer& buffer, GLenum format) {
+    GLuint name = 0;
+    glCreateTextures(GL_TEXTURE_BUFFER, 1, &name);
+    name_ = GlName<gl_detail::delete_texture>(name);
+    glTextureBuffer(name, format, buffer.name());
+}
+
+void Buffer::clear() const {
+    glClearNamedBufferData(name(), GL_R8, GL_RED, GL_UNSIGNED_BYTE, nullptr);
+}
+
 void Buffer::upload_bytes(const void* data, std::size_t bytes, std::size_t offset) {
     assert(offset + bytes <= bytes_);
     glNamedBufferSubData(name(), static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes), data);

@@ -91,6 +91,8 @@ public:
         static_assert(std::is_trivially_copyable_v<Element>);
         read_bytes(elements.data(), elements.size_bytes(), byte_offset);
     }
+    /// Sets every byte to 0.
+    void clear() const;
     /// To an indexed binding point: GL_SHADER_STORAGE_BUFFER, GL_UNIFORM_BUFFER, …
     void bind(GLenum target, GLuint index) const;
 
@@ -103,6 +105,19 @@ private:
 
     GlName<gl_detail::delete_buffer> name_;
     std::size_t bytes_ = 0;
+};
+
+/// A buffer as shaders fetch texels of it: usamplerBuffer or samplerBuffer, by the format. On software rasterisers
+/// fetches are much quicker than reads of shader storage. The buffer must outlive it.
+class BufferTexture {
+public:
+    BufferTexture() = default;
+    BufferTexture(const Buffer& buffer, GLenum format);
+
+    void bind(GLuint unit) const { glBindTextureUnit(unit, name_.get()); }
+
+private:
+    GlName<gl_detail::delete_texture> name_;
 };
 
 /// How vertices are read from buffers. Buffers must outlive their use here.

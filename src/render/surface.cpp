@@ -89,7 +89,8 @@ std::size_t SurfaceRenderer::add_object(const SurfaceObject& object) {
         if (mesh.indices.empty()) continue;
         const auto material = static_cast<std::size_t>(std::max(mesh.material, 0));
         assert(material < added.materials.size());
-        added.meshes.push_back({SurfaceMesh(mesh), material});
+        added.meshes.push_back({SurfaceMesh(mesh), material, vertex_count_});
+        vertex_count_ += added.meshes.back().geometry.vertex_count();
     }
     objects_.push_back(std::move(added));
     return objects_.size() - 1;
@@ -146,6 +147,7 @@ void SurfaceRenderer::draw_mesh(Program& program, const SurfaceView& view, const
                                            mesh.geometry.is_closed() && !enters(view, object.bounds_of(mesh)));
     material.bind(program);
     program.set("material_index", static_cast<double>(mesh.material));
+    program.set("first_vertex", mesh.first_vertex);
     // A mirroring placement turns the triangles' winding round.
     glFrontFace(object.world_from_model.topLeftCorner<3, 3>().determinant() < 0 ? GL_CW : GL_CCW);
     if (hides_back) {
@@ -234,8 +236,11 @@ void SurfaceRenderer::draw_meshes(Program& program, const SurfaceView& view, Dra
 
 Program& SurfaceRenderer::light_program(const Environment& environment, const SurfaceView& view,
                                         const SurfaceShading& shading) {
+    ShaderDefines defines = view_defines(view);
+    if (shading.shows_surface) defines["PLANE"] = "1";
+    if (shading.traces_rays) defines["RAYS"] = "1";
     Program& program = shaders_.program(
-        {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}}, view_defines(view));
+        {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, "surface/surface.frag"}}, defines);
     program.use();
     if (view.lens) set_lens(program, *view.lens);
     program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));
@@ -426,6 +431,19 @@ void SurfaceRenderer::bake_visibility(Program& program) {
         program.set("normal_from_model", Eigen::Matrix3f(linear.inverse().transpose().cast<float>()));
         program.set("is_real", object.is_holdout);
         for (Mesh& mesh : object.meshes) mesh.geometry.bake_visibility(program);
+    }
+}
+
+void SurfaceRenderer::run_over_vertices(Program& program) const {
+    program.use();
+    for (const Object& object : objects_) {
+        const Eigen::Matrix3d linear = object.world_from_model.topLeftCorner<3, 3>();
+        program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
+        program.set("normal_from_model", Eigen::Matrix3f(linear.inverse().transpose().cast<float>()));
+        for (const Mesh& mesh : object.meshes) {
+            program.set("first_vertex", mesh.first_vertex);
+            mesh.geometry.run_over_vertices(program);
+        }
     }
 }
 

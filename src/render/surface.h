@@ -115,6 +115,8 @@ struct SurfaceObject {
 /// from `first_free_unit` are theirs. Empty: no real surface, no shadow.
 struct SurfaceShading {
     std::function<void(Program&)> bind;
+    bool shows_surface = false;  // reflections show the surface's picture: also those of common/near_light.glsl
+    bool traces_rays = false;    // reflections meet objects: also those of common/object_light.glsl
     static constexpr GLuint first_free_unit = 8;
 };
 
@@ -188,6 +190,10 @@ public:
     /// render/effects/object_shadow.h). Sets `world_from_model` and `normal_from_model` for each object.
     void bake_visibility(Program& program);
 
+    /// Runs a compute program over the vertices of every mesh. Sets `world_from_model`, `normal_from_model` and
+    /// `first_vertex`, the number of a mesh's first vertex among those of all meshes.
+    void run_over_vertices(Program& program) const;
+
     /// Every mesh, read back, in the order that set_visibility() takes: for references in double precision.
     std::vector<PlacedMesh> read_meshes() const;
     /// The share of light over the hemisphere of every vertex of a mesh, instead of what was baked.
@@ -235,6 +241,7 @@ private:
 
     ShaderLibrary& shaders_;
     std::vector<Object> objects_;
+    int vertex_count_ = 0;  // of all meshes
     std::unique_ptr<Targets> targets_;
     std::unique_ptr<Targets> holdout_targets_;
     FullScreenTriangle cells_;  // of the lens' grid

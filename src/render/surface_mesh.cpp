@@ -34,15 +34,19 @@ SurfaceMesh::SurfaceMesh(const ModelMesh& mesh)
 
 void SurfaceMesh::bake_visibility(Program& program) {
     visibility_ = Buffer(static_cast<std::size_t>(vertex_count_) * 4 * sizeof(float));
+    run_over_vertices(program);
+    glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT);
+    attach_visibility();
+}
+
+void SurfaceMesh::run_over_vertices(Program& program) const {
     vertices_.bind(GL_SHADER_STORAGE_BUFFER, 0);
-    visibility_.bind(GL_SHADER_STORAGE_BUFFER, 1);
+    if (visibility_.bytes() > 0) visibility_.bind(GL_SHADER_STORAGE_BUFFER, 1);
     static_assert(offsetof(ModelVertex, position) == 0 && offsetof(ModelVertex, normal) == 3 * sizeof(float));
     program.set("vertex_count", vertex_count_);
     program.set("vertex_floats", static_cast<int>(sizeof(ModelVertex) / sizeof(float)));
-    constexpr int group = 64;  // as bake.comp says
+    constexpr int group = 64;  // as the shaders say
     glDispatchCompute(static_cast<GLuint>((vertex_count_ + group - 1) / group), 1, 1);
-    glMemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT);
-    attach_visibility();
 }
 
 void SurfaceMesh::attach_visibility() {
@@ -129,15 +133,16 @@ const Texture2D* SurfaceTextures::texture(const Model& model, int index, bool is
     return entries_.back().texture.get();
 }
 
-SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& material, const MaterialOverride& chosen,
-                                      SurfaceTextures& textures) {
-    SurfaceMaterial result;
-    ModelMaterial& factors = result.factors;
-    factors = material;
-    const auto to_float = [](const std::array<double, 3>& value) {
-        return std::array<float, 3>{static_cast<float>(value[0]), static_cast<float>(value[1]),
-                                    static_cast<float>(value[2])};
-    };
+namespace {
+
+std::array<float, 3> to_float(const std::array<double, 3>& value) {
+    return {static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2])};
+}
+
+}  // namespace
+
+ModelMaterial with_override(const ModelMaterial& material, const MaterialOverride& chosen) {
+    ModelMaterial factors = material;
     // A value the scene sets replaces the model's, its texture included.
     if (chosen.base_color) {
         const auto rgb = to_float(*chosen.base_color);
@@ -153,6 +158,14 @@ SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& m
         factors.emissive = to_float(*chosen.emissive);
         factors.emissive_texture = -1;
     }
+    return factors;
+}
+
+SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& material, const MaterialOverride& chosen,
+                                      SurfaceTextures& textures) {
+    SurfaceMaterial result;
+    result.factors = with_override(material, chosen);
+    const ModelMaterial& factors = result.factors;
     result.textures = {textures.texture(model, factors.base_color_texture, true),
                        textures.texture(model, factors.metallic_roughness_texture, false),
                        textures.texture(model, factors.normal_texture, false),

@@ -21,6 +21,8 @@ public:
 
     /// Runs effects/object_shadow/bake.comp over the vertices; the result is attribute 5 from then on.
     void bake_visibility(Program& program);
+    /// Runs a compute program, 64 vertices a group: binds them (shader storage 0) and what is baked, if anything (1).
+    void run_over_vertices(Program& program) const;
     /// RGB for every vertex, instead of what is baked.
     void set_visibility(std::span<const Eigen::Vector3f> visibility);
 
@@ -28,6 +30,7 @@ public:
     std::vector<ModelVertex> read_vertices() const;
     std::vector<std::uint32_t> read_indices() const;
 
+    int vertex_count() const { return vertex_count_; }
     const Eigen::AlignedBox3d& bounds_m() const { return bounds_m_; }
     /// Whether the surface encloses space without a gap, every part of it wound outwards: from outside no back face can
     /// be seen, because a ray that has entered nothing has nothing to leave.
@@ -79,6 +82,9 @@ private:
     };
     std::vector<Entry> entries_;
 };
+
+/// The material with what the scene sets in place of the model's values and their textures; Od and Ks aside.
+ModelMaterial with_override(const ModelMaterial& material, const MaterialOverride& chosen);
 
 /// `override_` on top of the model's material. Od and Ks of the classic model come from it or, where it has none, from
 /// the metallic-roughness factors: Od = base colour · (1 − metallic), Ks = reflectance at normal incidence.

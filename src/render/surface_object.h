@@ -13,6 +13,7 @@ namespace matchlight {
 struct SurfaceRenderer::Mesh {
     SurfaceMesh geometry;
     std::size_t material = 0;
+    int first_vertex = 0;  // among those of all meshes
 };
 
 struct SurfaceRenderer::Object {

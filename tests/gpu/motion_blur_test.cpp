@@ -185,6 +185,7 @@ TEST_F(MotionBlur, ItIsTheSameWhoeverMoves) {
 TEST_F(MotionBlur, AShadowIsSmearedWithTheSurface) {
     scene_.surface.present = true;
     scene_.objects[0].translate_m.z() = 0.02;
+    scene_.objects[0].material.emissive = {0, 0, 0};  // else it lights what it shades
     set_square_px(16);
     const CompositedFrame still = composite();
     const ImageF sharp = whole(still, still.layers->shadow, 1);

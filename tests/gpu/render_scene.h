@@ -1,6 +1,7 @@
 // Probes, models and views of known answers for the tests of rendering.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -32,6 +33,16 @@ inline Probe uniform_probe(double radiance) {
 /// Another colour in each octant of the world.
 inline Eigen::Vector3d octant_color(const Eigen::Vector3d& direction) {
     return {direction.x() > 0 ? 1.0 : 0.25, direction.y() > 0 ? 1.0 : 0.25, direction.z() > 0 ? 1.0 : 0.25};
+}
+
+/// To be seen from inside: of a closed shape the back is never met.
+inline void turn_inside_out(Model& model) {
+    for (ModelMesh& mesh : model.meshes) {
+        std::reverse(mesh.indices.begin(), mesh.indices.end());
+        for (ModelVertex& vertex : mesh.vertices) {
+            for (float& component : vertex.normal) component = -component;
+        }
+    }
 }
 
 /// A sphere about the origin, fine enough for its silhouette to be the analytic one to 2e-4 of its radius.

@@ -26,5 +26,5 @@ void main() {
         return;
     }
     vec3 loss = linear_or_zero(blurred, blurred_region, (pixel + 0.5) / float(texel_px) - 0.5).rgb;
-    if (any(greaterThanEqual(loss, vec3(max(least_visible_loss, 1e-6))))) ratio.rgb = 1.0 - loss;
+    if (any(greaterThanEqual(abs(loss), vec3(max(least_visible_loss, 1e-6))))) ratio.rgb = 1.0 - loss;
 }

@@ -13,7 +13,7 @@ uniform vec3 eye_world_m;
 uniform float surface_z_m;
 uniform mat4 opening_camera_from_world, closing_camera_from_world;
 uniform float longest_way_px;
-uniform float least_visible_loss;  // a shadow that takes less than this share of the light is none
+uniform float least_visible_loss;  // a shadow that changes less than this share of the light is none
 
 layout(location = 0) out vec4 blurred;
 
@@ -51,5 +51,5 @@ void main() {
         sum += weight * mix(ratio_at(tap.first).rgb, ratio_at(tap.second).rgb, tap.second_share);
     }
     // Even light stays the plate's, whatever rounding the sum has.
-    blurred.rgb = all(greaterThan(sum, vec3(1.0 - max(least_visible_loss, 1e-6)))) ? vec3(1.0) : sum;
+    blurred.rgb = all(lessThan(abs(sum - 1.0), vec3(max(least_visible_loss, 1e-6)))) ? vec3(1.0) : sum;
 }

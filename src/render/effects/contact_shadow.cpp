@@ -146,6 +146,16 @@ void ContactShadow::bind(Program& program, GLuint first_unit) const {
     bind_map(program, far, "shadow_far", first_unit + 1);
 }
 
+ContactShadow ContactShadow::copy() const {
+    const auto copied = [](const ShadowMap& map) {
+        ShadowMap result{Texture2D(map.loss.shape()), map.rectangle_m};
+        glCopyImageSubData(map.loss.name(), GL_TEXTURE_2D, 0, 0, 0, 0, result.loss.name(), GL_TEXTURE_2D, 0, 0, 0, 0,
+                           map.loss.width(), map.loss.height(), 1);
+        return result;
+    };
+    return {.fine = copied(fine), .far = copied(far), .surface_z_m = surface_z_m};
+}
+
 Eigen::AlignedBox2d contact_shadow_reach(const Eigen::AlignedBox3d& caster_bounds_m, double surface_z_m,
                                          const std::vector<DirectionalSample>& samples, double lost_share) {
     double total = 0;

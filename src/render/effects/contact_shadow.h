@@ -99,6 +99,8 @@ struct ContactShadow {
 
     /// Sets the uniforms of effects/contact_shadow/contact_shadow.glsl; takes texture units `first_unit` and the next.
     void bind(Program& program, GLuint first_unit) const;
+    /// Another with the same contents.
+    ContactShadow copy() const;
 };
 
 /// The real surface and its light.

@@ -1,0 +1,52 @@
+// The light that arrives along a ray from other objects, or from beyond them. Include common/near_light.glsl before.
+#include "common/rays.glsl"
+#include "common/scattering.glsl"
+
+uniform samplerBuffer ray_radiosity;   // of a vertex: what it sends diffusely, emission included
+uniform samplerBuffer ray_emission;
+uniform int ray_bounces;   // mirrors within mirrors that are followed
+
+// Along a ray from `from`, whose lobe has `roughness`; `misses` says what it is worth that no object is met: 0 leaves
+// out what comes from beyond the objects.
+vec3 light_along(vec3 from, vec3 direction, float roughness, float misses) {
+    const float farthest = 3.4e38;
+    const float least_share = 0.005;   // what is left of a ray that many mirrors took from
+    vec3 light = vec3(0.0);
+    vec3 share = vec3(1.0);
+    for (int bounce = 0; bounce <= ray_bounces; ++bounce) {
+        RayHit hit = RayHit(farthest, -1, 0, vec2(0.0));
+        if (any(greaterThan(share, vec3(least_share)))) {
+            vec3 met;
+            float to_surface_m = meets_surface(from, direction, met) ? length(met - from) : farthest;
+            hit = nearest_hit(from, direction, to_surface_m);
+        }
+        if (hit.instance < 0) {
+            if (bounce > 0 || misses > 0.0) light += share * light_beyond_objects(from, direction, roughness);
+            break;
+        }
+        if (is_real(hit)) {
+            // As the probe saw it: from its own place, where that is known.
+            vec3 seen = from + hit.distance_m * direction - probe_place_m;
+            if (bounce > 0 || misses > 0.0)
+                light += share * reflected_radiance(surface_is_near != 0 ? normalize(seen) : direction, roughness);
+            break;
+        }
+        RaySurface surface = surface_at(hit, direction);
+        // Light is kept for the side of the normals; what arrives behind a sheet is not known, and taken as none.
+        for (int i = 0; i < 3; ++i) {
+            vec4 sent = surface.is_back ? texelFetch(ray_emission, surface.vertices[i])
+                                        : texelFetch(ray_radiosity, surface.vertices[i]);
+            light += share * surface.shares[i] * sent.rgb;
+        }
+        float cosine = max(dot(surface.world_normal, -direction), 1e-4);
+        share *= material_scattering(surface.base, surface.metallic, split_sum(cosine, surface.roughness)).mirrored;
+        direction = reflect(direction, surface.world_normal);
+        // An interpolated normal may send it into the triangle.
+        float rise = dot(direction, surface.geometric_normal);
+        const float least_rise = 1e-3;
+        if (rise < least_rise) direction = normalize(direction + (least_rise - rise) * surface.geometric_normal);
+        from = point_off(surface.world_position, surface.geometric_normal);
+        roughness = min(sqrt(sqrt(pow(roughness, 4.0) + pow(surface.roughness, 4.0))), 1.0);
+    }
+    return light;
+}

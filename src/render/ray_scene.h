@@ -1,0 +1,77 @@
+// The virtual objects as rays meet them on the GPU: shaders/common/rays.glsl walks what this class uploads.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "gl/objects.h"
+#include "gl/program.h"
+#include "scene/model.h"
+#include "scene/scene_file.h"
+
+namespace matchlight {
+
+/// Each mesh has a hierarchy in its model's own axes, so that an object that moves needs no other. Blended meshes are
+/// not met: most of what they let through would be lost. Vertices are numbered over all meshes of all objects in the
+/// order in which they were added, blended ones included, as SurfaceRenderer numbers them.
+class RayScene {
+public:
+    /// `model` is only read while adding. Base colour, metallic, roughness and emission are taken at the vertices. A
+    /// holdout is a real thing: rays that meet it see of it what the probe saw.
+    void add_object(const Model& model, const MaterialOverride& material, bool is_holdout);
+    /// Uploads what was added, and makes room for light at the vertices.
+    void finish();
+    /// Where the objects stand, in the order they were added; before the first ray and after every change.
+    void place(const std::vector<Eigen::Matrix4d>& world_from_model);
+
+    bool empty() const { return placed_.empty(); }
+    std::size_t vertex_count() const { return vertices_.size(); }
+
+    /// Sets the uniforms of common/rays.glsl and those of the light at the vertices, `ray_radiosity`, `ray_emission`
+    /// and `ray_bounced`; takes eight texture units from `first_texture_unit`.
+    void bind(Program& program) const;
+    static constexpr GLuint first_texture_unit = 17;
+
+    /// Light at the vertices, RGBA32F each, in probe units; filled by render/effects/bounce_light.h.
+    struct VertexLight {
+        Buffer emission;   // radiance
+        Buffer direct;     // irradiance over π that arrives from the probe
+        Buffer bounced;    // irradiance over π that arrives from other objects
+        Buffer radiosity;  // radiance that leaves diffusely, emission included
+    };
+    const VertexLight& light() const { return light_; }
+
+private:
+    // As the shaders fetch them.
+    using Float4 = std::array<float, 4>;
+    struct Vertex {
+        Float4 normal_roughness, base_metallic;
+    };
+    struct Triangle {
+        Float4 corner, edge1, edge2;
+    };
+    struct PlacedMesh {
+        std::size_t object = 0;
+        int first_node = 0, end_node = 0, first_triangle = 0;
+        int vertices = 0;  // the first one's number · 2 + whether it is a closed surface; −1: a holdout
+    };
+
+    std::size_t objects_ = 0;
+    std::vector<Vertex> vertices_;
+    std::vector<Float4> emission_;
+    std::vector<Float4> nodes_;  // two a node
+    std::vector<Triangle> triangles_;
+    std::vector<PlacedMesh> placed_;
+    struct Fetched {
+        Buffer buffer;
+        BufferTexture texture;
+    };
+    Fetched node_texels_, triangle_texels_, instance_texels_, range_texels_, vertex_texels_;
+    BufferTexture radiosity_texels_, emission_texels_, bounced_texels_;
+    VertexLight light_;
+};
+
+}  // namespace matchlight
