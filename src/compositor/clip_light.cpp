@@ -218,7 +218,8 @@ void ClipLight::bounce_light() {
                                   .has_visibility = has_visibility_};
     bounce_between_objects(shaders_, objects, quality_.bounce);
     if (!contact_shadow_ || !bounces()) return;
-    bounce_to_surface(shaders_, objects, *contact_shadow_, bounce_reach(surfaces_.shadow_caster_bounds_m(), surface_.z_m),
+    bounce_to_surface(shaders_, objects, *contact_shadow_,
+                      bounce_reach(surfaces_.shadow_caster_bounds_m(), surface_.z_m),
                       irradiance(probe_, Eigen::Vector3d::UnitZ()), quality_.bounce);
 }
 

@@ -12,8 +12,8 @@
 #include "render/effects/contact_shadow.h"
 #include "render/environment.h"
 #include "render/graph.h"
-#include "render/surface_picture_map.h"
 #include "render/surface.h"
+#include "render/surface_picture_map.h"
 #include "scene/scene_file.h"
 
 namespace matchlight {

@@ -46,11 +46,10 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
     open_side_footage(scene);
     load_objects(scene, warnings);
     for (const ObjectSettings& object : scene.objects) object_names.push_back(object.name);
-    light.emplace(shaders,
-                  ClipLight::Lit{.objects = *scene_objects,
-                                 .surfaces = surfaces,
-                                 .gathered_surface = options.gathered_surface},
-                  scene, quality, warnings);
+    light.emplace(
+        shaders,
+        ClipLight::Lit{.objects = *scene_objects, .surfaces = surfaces, .gathered_surface = options.gathered_surface},
+        scene, quality, warnings);
     if (scene.camera) {
         virtual_fps = scene.camera->fps;
         background.emplace(scene.background, light->probe(), solve.camera.width, solve.camera.height, warnings);

@@ -61,8 +61,8 @@ void RayScene::add_object(const Model& model, const MaterialOverride& material, 
         const ModelTexture* emissive_texture = texture(factors.emissive_texture);
         const auto first_vertex = static_cast<int>(vertices_.size());
         for (const ModelVertex& vertex : mesh.vertices) {
-            Eigen::Vector3f base = Eigen::Vector3f(factors.base_color.data())
-                                       .cwiseProduct(Eigen::Vector3f(vertex.color.data()));
+            Eigen::Vector3f base =
+                Eigen::Vector3f(factors.base_color.data()).cwiseProduct(Eigen::Vector3f(vertex.color.data()));
             if (base_texture) base = base.cwiseProduct(linear_of(texel_at(*base_texture, vertex.uv)));
             Eigen::Vector2f metallic_roughness(factors.metallic, factors.roughness);
             if (rough_texture) {
@@ -97,8 +97,8 @@ void RayScene::add_object(const Model& model, const MaterialOverride& material, 
             const auto with_bits = [&](const Eigen::Vector3f& xyz, std::size_t i) {
                 return Float4{xyz.x(), xyz.y(), xyz.z(), bits(triangle.corners.at(i))};
             };
-            triangles_.push_back({with_bits(corner(0), 0), with_bits(corner(1) - corner(0), 1),
-                                  with_bits(corner(2) - corner(0), 2)});
+            triangles_.push_back(
+                {with_bits(corner(0), 0), with_bits(corner(1) - corner(0), 1), with_bits(corner(2) - corner(0), 2)});
         }
     }
     ++objects_;

@@ -40,8 +40,7 @@ TEST_F(Holdout, alone_it_leaves_the_plate_as_it_came) {
     shot_.scene.objects = {box_before_the_ball()};
     const CompositedFrame frame = composite(shot_, true);
     EXPECT_EQ(touched(frame), 0);
-    EXPECT_TRUE(
-        std::ranges::equal(frame.rgb16().samples(), frame.plate.rgb16({0, 0, 320, 180}).samples()));
+    EXPECT_TRUE(std::ranges::equal(frame.rgb16().samples(), frame.plate.rgb16({0, 0, 320, 180}).samples()));
 }
 
 TEST_F(Holdout, what_is_wholly_behind_it_is_gone) {

@@ -133,7 +133,8 @@ void bounce_to_surface(ShaderLibrary& shaders, const BouncingObjects& objects, C
             glEnable(GL_BLEND);
             glBlendFunc(GL_ONE, GL_ONE);
             add.set("rectangle_m", as_vector(map->rectangle_m));
-            add.set("map_size", Eigen::Vector2f(static_cast<float>(map->loss.width()), static_cast<float>(map->loss.height())));
+            add.set("map_size",
+                    Eigen::Vector2f(static_cast<float>(map->loss.width()), static_cast<float>(map->loss.height())));
             triangle.draw();
             glDisable(GL_BLEND);
         }

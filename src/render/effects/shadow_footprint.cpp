@@ -33,7 +33,8 @@ void mark_loss(SurfaceCells& cells, const ShadowMap& map, double least_loss) {
         for (int x = 0; x < texels.loss.width(); ++x) {
             const float* p = texels.loss.pixel(x, y);
             // Bilinear look-ups carry a texel's loss one texel further, on all sides.
-            if (std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}) > least_loss) cells.mark(texels.box_m(x - 1, y - 1, x + 1, y + 1));
+            if (std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}) > least_loss)
+                cells.mark(texels.box_m(x - 1, y - 1, x + 1, y + 1));
         }
     }
 }
