@@ -29,6 +29,12 @@ ImageF response_table(const Response& response, int bit_depth) {
     return table;
 }
 
+/// A budget's table does not know what rays take: it leaves them out.
+Quality chosen_quality(const CompositorOptions& options) {
+    const Quality quality = options.settings.value_or(quality_of(options.quality));
+    return options.budget ? without_rays(quality) : quality;
+}
+
 }  // namespace
 
 Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& the_solve,
@@ -36,7 +42,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
     : context(gl_context),
       solve(with_overscan(the_solve, the_options.overscan)),
       options(the_options),
-      quality(the_options.settings.value_or(quality_of(the_options.quality))),
+      quality(chosen_quality(the_options)),
       warnings(the_warnings),
       surfaces(shaders),
       scene_focus(scene, solve.camera, surfaces),
@@ -77,8 +83,8 @@ void Compositor::Impl::load_objects(const Scene& scene, Warnings& the_warnings) 
     const bool shade_each_other =
         quality.object_shadow.directions > 0 && std::ranges::any_of(scene.objects, &ObjectSettings::casts_shadow);
     const ClipTime start = solve.frames.empty() ? ClipTime{} : time_of(solve.frames.front());
-    const ObjectPreparation preparation{.fine_meshes = shade_each_other,
-                                        .traced = quality.reflection.level == ReflectionLevel::rays};
+    const bool traced = quality.reflection.level == ReflectionLevel::rays;
+    const ObjectPreparation preparation{.fine_meshes = shade_each_other || traced, .traced = traced};
     scene_objects.emplace(surfaces, scene, solve, start, preparation, the_warnings);
 }
 

@@ -86,6 +86,13 @@ inline Quality quality_of(QualityLevel level) {
     return {2, 1, 512, {.directions = 128, .resolution = 1024}, {}};
 }
 
+/// The same with reflections that meet no object, and without light that bounces.
+inline Quality without_rays(Quality quality) {
+    if (quality.reflection.level == ReflectionLevel::rays) quality.reflection.level = ReflectionLevel::plane;
+    quality.bounce.rays = 0;
+    return quality;
+}
+
 /// The levels with their names in scene files, cheapest first.
 inline constexpr std::array<std::pair<std::string_view, QualityLevel>, 4> quality_levels{
     {{"draft", QualityLevel::draft},

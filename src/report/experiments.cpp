@@ -9,6 +9,8 @@ const std::vector<NamedExperiment>& all_experiments() {
                                                              {"object_shadow", object_shadow_experiment},
                                                              {"reflection", reflection_experiment},
                                                              {"glossy_reflection", glossy_experiment},
+                                                             {"near_reflection", near_reflection_experiment},
+                                                             {"bounce_light", bounce_light_experiment},
                                                              {"bloom", bloom_experiment},
                                                              {"classic_bloom", classic_bloom_experiment},
                                                              {"streaks", streaks_experiment},

@@ -25,6 +25,10 @@ std::optional<Experiment> object_shadow_experiment(const SceneStage& stage, cons
 std::optional<Experiment> antialiasing_experiment(const SceneStage& stage, const ExperimentOptions& options);
 /// What a mirror shows of the probe: cube map and sphere map by size.
 std::optional<Experiment> reflection_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// What objects mirror of the surface, of each other and of themselves: levels, rays.
+std::optional<Experiment> near_reflection_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// Light that bounces between objects and to the surface: rays.
+std::optional<Experiment> bounce_light_experiment(const SceneStage& stage, const ExperimentOptions& options);
 /// What a glossy surface shows of it: lookups of the rough levels.
 std::optional<Experiment> glossy_experiment(const SceneStage& stage, const ExperimentOptions& options);
 

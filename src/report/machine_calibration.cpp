@@ -162,7 +162,7 @@ std::vector<double> least_ms(const std::vector<std::function<void()>>& works, co
 }
 
 Quality with_surface(QualityLevel level) {
-    Quality quality = quality_of(QualityLevel::final_);
+    Quality quality = without_rays(quality_of(QualityLevel::final_));
     quality.supersampling = quality_of(level).supersampling;
     quality.samples = quality_of(level).samples;
     return quality;

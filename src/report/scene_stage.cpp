@@ -68,6 +68,13 @@ std::unique_ptr<Compositor> SceneStage::compositor(const Quality& quality, bool 
 std::unique_ptr<Compositor> SceneStage::compositor(const Scene& changed, const Quality& quality, bool layers) const {
     return std::make_unique<Compositor>(
         context, changed, solve,
+        CompositorOptions{.settings = without_rays(quality), .gathered_surface = gathered_surface, .layers = layers},
+        warnings);
+}
+
+std::unique_ptr<Compositor> SceneStage::compositor_with_rays(const Quality& quality, bool layers) const {
+    return std::make_unique<Compositor>(
+        context, scene, solve,
         CompositorOptions{.settings = quality, .gathered_surface = gathered_surface, .layers = layers}, warnings);
 }
 

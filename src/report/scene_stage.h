@@ -32,8 +32,12 @@ struct SceneStage {
     std::shared_ptr<const GatheredSurface> gathered_surface;
     mutable ShaderLibrary shaders;
 
+    /// Rays would take most of the time of every measurement, and change nothing of what it compares: reflections are
+    /// at most those of the level preview, and no light bounces.
     std::unique_ptr<Compositor> compositor(const Quality& quality, bool layers) const;
     std::unique_ptr<Compositor> compositor(const Scene& changed, const Quality& quality, bool layers) const;
+    /// With rays as the quality says.
+    std::unique_ptr<Compositor> compositor_with_rays(const Quality& quality, bool layers) const;
     const SolvedFrame& solved() const;
 
     /// 8-bit code values of plate-linear light, as the footage's camera would give them.

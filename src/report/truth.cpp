@@ -19,7 +19,7 @@ std::vector<TruthRow> frame_error_against_truth(const SceneStage& stage, const I
     std::vector<std::function<void()>> works;
     for (const auto& [name, level] : quality_levels) {
         if (options.quick && level == QualityLevel::reference) continue;
-        const std::shared_ptr<Compositor> compositor = stage.compositor(quality_of(level), false);
+        const std::shared_ptr<Compositor> compositor = stage.compositor_with_rays(quality_of(level), false);
         const Image8 picture = compositor->composite(*stage.plate).rgb8();
         rows.push_back({std::string(name), {}, masked_mean(flip_error_map(truth, picture), &region)});
         works.emplace_back([&stage, compositor] { compositor->composite(*stage.plate); });

@@ -1,0 +1,99 @@
+// What objects do to each other's light in a whole frame: mirrored, bounced, and left out where there is nothing to
+// meet.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "compositor_shot.h"
+
+namespace matchlight::test {
+namespace {
+
+class NearLightTest : public CompositorTest {
+protected:
+    /// A chrome ball, and a red box that glows beside it.
+    static Shot ball_and_lamp(QualityLevel level) {
+        Shot shot = make_shot();
+        shot.scene.quality = level;
+        ObjectSettings lamp;
+        lamp.shape = "box";
+        lamp.name = "lamp";
+        lamp.scale.setConstant(0.04);
+        lamp.translate_m = {0.07, 0, 0.03};
+        lamp.material.base_color = {0, 0, 0};
+        lamp.material.emissive = {8, 0, 0};
+        shot.scene.objects.push_back(lamp);
+        return shot;
+    }
+
+    CompositedFrame with_layers(const Shot& shot) {
+        Warnings warnings;
+        warnings.set_quiet(true);
+        Compositor compositor(context(), shot.scene, shot.solve, {.quality = shot.scene.quality, .layers = true},
+                              warnings);
+        CompositedFrame frame = compositor.composite(grey_plate(320, 180, plate_luma_));
+        reports_ = compositor.reports();
+        return frame;
+    }
+
+    std::string why_left_out(const std::string& pass) const {
+        const auto found = std::ranges::find(reports_, pass, &PassReport::name);
+        return found == reports_.end() || found->drawn ? std::string() : found->why;
+    }
+};
+
+/// Pixels of the ball (id 1) that are much redder than green.
+int red_on_the_ball(const FrameLayers& layers) {
+    int red = 0;
+    for (int y = 0; y < layers.region.height; ++y) {
+        for (int x = 0; x < layers.region.width; ++x) {
+            if (layers.object_id.at(x, y, 0) != 1) continue;
+            red += layers.beauty.at(x, y, 0) > 3 * layers.beauty.at(x, y, 1) && layers.beauty.at(x, y, 0) > 0.5;
+        }
+    }
+    return red;
+}
+
+TEST_F(NearLightTest, AMirrorShowsWhatStandsBesideIt) {
+    const CompositedFrame far = with_layers(ball_and_lamp(QualityLevel::preview));
+    const CompositedFrame near = with_layers(ball_and_lamp(QualityLevel::final_));
+    ASSERT_TRUE(far.layers && near.layers);
+    // A few pixels hold the lamp's edge besides.
+    EXPECT_GT(red_on_the_ball(*near.layers), red_on_the_ball(*far.layers) + 30);
+}
+
+TEST_F(NearLightTest, WhatGlowsLightsTheTable) {
+    const auto brightest = [](const ImageF& shadow, int channel) {
+        float most = 0;
+        for (int y = 0; y < shadow.height(); ++y) {
+            for (int x = 0; x < shadow.width(); ++x) most = std::max(most, shadow.at(x, y, channel));
+        }
+        return most;
+    };
+    const CompositedFrame far = with_layers(ball_and_lamp(QualityLevel::preview));
+    EXPECT_LE(brightest(far.layers->shadow, 0), 1.0F + 1e-5F);
+    const CompositedFrame near = with_layers(ball_and_lamp(QualityLevel::final_));
+    EXPECT_GT(brightest(near.layers->shadow, 0), 1.2F) << "red light falls on the table";
+    EXPECT_LT(brightest(near.layers->shadow, 1), 1.1F) << "and no more green than the ball throws back";
+}
+
+TEST_F(NearLightTest, WithoutObjectsRaysAreLeftOutAndNoBitChanges) {
+    Shot shot = make_shot();
+    shot.scene.objects.clear();
+    shot.scene.quality = QualityLevel::final_;
+    const CompositedFrame frame = with_layers(shot);
+    EXPECT_TRUE(std::ranges::equal(frame.rgb16().samples(),
+                                   grey_plate(320, 180, plate_luma_).rgb16({0, 0, 320, 180}).samples()));
+    shot = make_shot();
+    with_layers(shot);
+    EXPECT_EQ(why_left_out("light/bounced"), "this quality level traces no rays");
+}
+
+TEST_F(NearLightTest, LeavingOutWhatIsNotNeededChangesNoBit) {
+    const Shot shot = ball_and_lamp(QualityLevel::final_);
+    const CompositedFrame lean = composite(shot, true), whole = composite(shot, false);
+    EXPECT_TRUE(std::ranges::equal(lean.rgb16().samples(), whole.rgb16().samples()));
+}
+
+}  // namespace
+}  // namespace matchlight::test
