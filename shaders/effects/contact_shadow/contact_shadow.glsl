@@ -27,9 +27,13 @@ vec4 shadow_loss_nearest(sampler2D map, vec4 rectangle_m, vec2 surface_m) {
 }
 
 // What is left, r, is what arrives directly and what the casters return of the surface's own light, which is r times its
-// unshadowed light: r = open + returned · r. Where light bounces (render/effects/bounce_light.h) nothing is returned, and
-// less than nothing may be lost.
-vec3 light_left(vec4 loss) { return max((1.0 - loss.rgb) / max(1.0 - loss.a, 0.1), 0.0); }
+// unshadowed light: r = open + returned · r. Sums of shares may pass 1 by their rounding, and what is returned is an
+// estimate: a shadow adds no light. Where light bounces (render/effects/bounce_light.h) nothing is returned, and less than
+// nothing may be lost.
+vec3 light_left(vec4 loss) {
+    vec3 open = 1.0 - loss.rgb;
+    return clamp(open / max(1.0 - loss.a, 0.1), vec3(0.0), max(open, vec3(1.0)));
+}
 
 // Light with the casters over light without.
 vec3 contact_shadow(vec2 surface_m) {
