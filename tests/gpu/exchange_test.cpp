@@ -54,11 +54,11 @@ protected:
     }
     FrameLayers layers_of(const Scene& scene, std::int64_t frame) {
         Compositor compositor(context(), scene, solve_,
-                              {.settings = Quality{.supersampling = 2,
-                                                   .samples = 4,
-                                                   .mirror_face_px = 32,
-                                                   .shadow = {.directions = 8, .resolution = 64},
-                                                   .object_shadow = {.directions = 4, .resolution = 32}},
+                              {.settings = without_rays(Quality{.supersampling = 2,
+                                                                .samples = 4,
+                                                                .mirror_face_px = 32,
+                                                                .shadow = {.directions = 8, .resolution = 64},
+                                                                .object_shadow = {.directions = 4, .resolution = 32}}),
                                .layers = true,
                                .exchange = true},
                               warnings_);

@@ -55,7 +55,7 @@ protected:
     FrameLayers layers() {
         Warnings warnings;
         warnings.set_quiet(true);
-        Quality quality = quality_of(QualityLevel::final_);
+        Quality quality = without_rays(quality_of(QualityLevel::final_));
         quality.object_shadow = {.directions = 256, .resolution = 512};
         Compositor compositor(context(), shot_.scene, shot_.solve, {.settings = quality, .layers = true}, warnings);
         CompositedFrame frame = compositor.composite(grey_plate(320, 180, plate_luma_));

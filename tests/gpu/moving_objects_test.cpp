@@ -46,7 +46,9 @@ protected:
         with.settings = Quality{.supersampling = 1,
                                 .mirror_face_px = 32,
                                 .shadow = {.directions = 8, .resolution = 64},
-                                .object_shadow = {.directions = 4, .resolution = 32}};
+                                .object_shadow = {.directions = 4, .resolution = 32},
+                                .reflection = {.lobe_rays = 1, .bounces = 1},
+                                .bounce = {.rays = 4, .surface_rays = 4, .bounces = 1, .surface_points = 8}};
         return with;
     }
     PlateFrame plate(std::int64_t frame) const { return test::grey_plate(320, 180, 120, frame); }

@@ -62,11 +62,11 @@ protected:
     }
     CompositedFrame composite_of(const Scene& scene, const Solve& solve, const CompositorOptions& with) {
         CompositorOptions options = with;
-        options.settings = Quality{.supersampling = 1,
-                                   .mirror_face_px = 16,
-                                   .shadow = {.directions = 16, .resolution = 512},
-                                   .object_shadow = {.directions = 0},
-                                   .depth_of_field = level_};
+        options.settings = without_rays(Quality{.supersampling = 1,
+                                                .mirror_face_px = 16,
+                                                .shadow = {.directions = 16, .resolution = 512},
+                                                .object_shadow = {.directions = 0},
+                                                .depth_of_field = level_});
         Compositor compositor(context(), scene, solve, options, warnings_);
         CompositedFrame frame = compositor.composite(test::grey_plate(solve.camera.width, solve.camera.height));
         reports_ = compositor.reports();
