@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "compositor/compositor.h"
+#include "compositor/quality.h"
 #include "core/transfer.h"
 #include "lighting/probe_comparison.h"
 #include "media/frame_source.h"
@@ -93,7 +94,8 @@ Scene row_scene(const BallRowOptions& options, const std::optional<Vector3d>& gr
 CompositedFrame draw(GlContext& gl, const Scene& scene, Warnings& warnings) {
     const Solve solve = virtual_solve(scene);
     CompositorOptions options;
-    options.quality = scene.quality;
+    // Each ball for itself: what is compared is the probe's light.
+    options.settings = without_rays(quality_of(scene.quality));
     options.layers = true;
     Compositor compositor(gl, scene, solve, options, warnings);
     const auto source = open_frames(scene, false, warnings);

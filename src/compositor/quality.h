@@ -68,18 +68,19 @@ inline Quality quality_of(QualityLevel level) {
                     level,
                     level};
         case QualityLevel::reference:
-            return {4,
-                    4,
-                    1024,
-                    {.directions = 1024, .resolution = 2048, .lost_share = 0.0005},
-                    {.directions = 256, .resolution = 512},
-                    {.lobe_rays = 8, .bounces = 6},
-                    {.rays = 256, .surface_rays = 1024, .bounces = 6, .surface_points = 192},
-                    level,
-                    level,
-                    level,
-                    level,
-                    level};
+            return {
+                4,
+                4,
+                1024,
+                {.directions = 1024, .resolution = 2048, .lost_share = 0.0005},
+                {.directions = 256, .resolution = 512},
+                {.lobe_rays = 8, .bounces = 6},
+                {.rays = 256, .surface_rays = 1024, .most_rays = 1'000'000'000, .bounces = 6, .surface_points = 192},
+                level,
+                level,
+                level,
+                level,
+                level};
         case QualityLevel::final_:
             break;
     }

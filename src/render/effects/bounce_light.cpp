@@ -68,6 +68,7 @@ Eigen::Vector4f as_vector(const Eigen::AlignedBox2d& rectangle_m) {
 void BounceLightSettings::check() const {
     require(rays >= 0 && rays <= 4096, "rays must be 0..4096", rays);
     require(surface_rays >= 1 && surface_rays <= 4096, "surface_rays must be 1..4096", surface_rays);
+    require(most_rays >= 1, "most_rays must be 1 or more", most_rays);
     require(bounces >= 1 && bounces <= 16, "bounces must be 1..16", bounces);
     require(surface_points >= 2 && surface_points <= 1024, "surface_points must be 2..1024", surface_points);
 }
@@ -86,11 +87,14 @@ void bounce_between_objects(ShaderLibrary& shaders, const BouncingObjects& objec
     make_radiosity(shaders, objects, false);
     if (settings.rays == 0) return light.bounced.clear();
     Program& gather = shaders.compute("effects/bounce_light/vertices.comp");
+    constexpr int least_rays = 4;
+    const int affordable = settings.most_rays / static_cast<int>(std::max<std::size_t>(objects.rays.vertex_count(), 1));
+    const int rays = std::min(settings.rays, std::max(affordable, least_rays));
     for (int bounce = 0; bounce < settings.bounces; ++bounce) {
         gather.use();
         bind(gather, objects, settings);
         light.bounced.bind(GL_SHADER_STORAGE_BUFFER, 3);
-        cast_rays(gather, settings.rays, [&] { objects.surfaces.run_over_vertices(gather); });
+        cast_rays(gather, rays, [&] { objects.surfaces.run_over_vertices(gather); });
         make_radiosity(shaders, objects, true);
     }
 }

@@ -18,10 +18,11 @@
 namespace matchlight {
 
 struct BounceLightSettings {
-    int rays = 64;            // a vertex, 1..4096; 0 = no light bounces
-    int surface_rays = 256;   // a point of the surface, 1..4096
-    int bounces = 3;          // from diffuse surface to diffuse surface, and mirrors between them, 1..16
-    int surface_points = 96;  // along the longer side of the lit rectangle, 2..1024
+    int rays = 64;              // a vertex, 1..4096; 0 = no light bounces
+    int surface_rays = 256;     // a point of the surface, 1..4096
+    int most_rays = 4'000'000;  // a bounce over all vertices: dense meshes cast fewer each, but 4 at least
+    int bounces = 3;            // from diffuse surface to diffuse surface, and mirrors between them, 1..16
+    int surface_points = 96;    // along the longer side of the lit rectangle, 2..1024
 
     /// Throws std::invalid_argument naming the value that is out of range.
     void check() const;
