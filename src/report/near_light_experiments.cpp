@@ -64,7 +64,7 @@ std::optional<Experiment> near_reflection_experiment(const SceneStage& stage, co
     experiment.report.unit = WorkUnit::frame;
     const std::optional<Region> region = begin(experiment, stage);
     if (!region) return experiment;
-    const int rays = options.quick ? 16 : 64;
+    const int rays = options.quick ? 4 : 64;
     const auto converged = [&](int lobe_rays) {
         return picture_of(stage, with_reflection({.lobe_rays = lobe_rays, .bounces = 8}), *region);
     };
@@ -100,7 +100,7 @@ std::optional<Experiment> bounce_light_experiment(const SceneStage& stage, const
     experiment.report.unit = WorkUnit::clip;
     const std::optional<Region> region = begin(experiment, stage);
     if (!region) return experiment;
-    const int rays = options.quick ? 256 : 1024;
+    const int rays = options.quick ? 32 : 1024;
     const auto converged = [&](int count) {
         return picture_of(stage,
                           with_bounce({.rays = count, .surface_rays = 2 * count, .bounces = 6, .surface_points = 192}),
@@ -112,7 +112,7 @@ std::optional<Experiment> bounce_light_experiment(const SceneStage& stage, const
     experiment.coarse_reference = converged(rays / 2);
     std::vector<NearLightChoice> choices{{"none (draft, preview)", {}, with_bounce({.rays = 0})}};
     for (const int count : {4, 16, 64, 256}) {
-        if (options.quick && count > 64) break;
+        if (options.quick && count > 16) break;
         choices.push_back({fmt::format("{} rays{}", count, count == BounceLightSettings{}.rays ? " (final)" : ""),
                            {{"rays", static_cast<double>(count)}, {"surface_rays", static_cast<double>(4 * count)}},
                            with_bounce({.rays = count, .surface_rays = 4 * count})});

@@ -180,7 +180,7 @@ void RunningMatchlight::send(int signal_number) {
 }
 
 bool RunningMatchlight::wait_for_file(const fs::path& path) {
-    const auto deadline = steady_clock::now() + std::chrono::seconds(10);
+    const auto deadline = steady_clock::now() + std::chrono::seconds(60);
     while (steady_clock::now() < deadline) {
         if (fs::exists(path)) return true;
         siginfo_t ended{};

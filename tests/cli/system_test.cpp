@@ -23,9 +23,9 @@ protected:
         ASSERT_TRUE(succeeded(run_matchlight({"track", scene_})));
     }
 
-    /// `matchlight render SCENE -o OUTPUT more…`
+    /// `matchlight render SCENE -o OUTPUT more…`, at a level that is quick to begin.
     std::vector<std::string> render_call(const fs::path& output, const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> call{"render", scene_, "-o", output};
+        std::vector<std::string> call{"render", scene_, "--level", "preview", "-o", output};
         call.insert(call.end(), more.begin(), more.end());
         return call;
     }
