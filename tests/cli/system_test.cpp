@@ -226,8 +226,8 @@ TEST_F(SystemTest, OddPathsAreOnlyPaths) {
     const fs::path folder = scratch_ / "-v two\nlines & sp\u00e4te \u00c4pfel;$(x)'\"*?";
     fs::copy(shot_, folder);
     EXPECT_TRUE(succeeded(run_matchlight({"track", folder / "table.toml"})));
-    EXPECT_TRUE(
-        succeeded(run_matchlight({"render", folder / "table.toml", "-o", folder / "out_%03d.png", "--frames", "0-0"})));
+    EXPECT_TRUE(succeeded(run_matchlight(
+        {"render", folder / "table.toml", "--level", "preview", "-o", folder / "out_%03d.png", "--frames", "0-0"})));
     EXPECT_EQ(bytes_of(folder / "out_000.png"), expected);
 }
 
