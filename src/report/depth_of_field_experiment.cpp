@@ -167,7 +167,10 @@ LeftOutTrial left_out_trial(const SceneStage& stage, const std::shared_ptr<Defoc
                     Scene scene = frames->scene();
                     scene.effects.depth_of_field = narrow;
                     const auto picture = [&](bool leave_out) {
-                        Compositor made(stage.context, scene, stage.solve, {.settings = without_rays(quality_of(QualityLevel::final_)), .leave_out = leave_out}, stage.warnings);
+                        Compositor made(
+                            stage.context, scene, stage.solve,
+                            {.settings = without_rays(quality_of(QualityLevel::final_)), .leave_out = leave_out},
+                            stage.warnings);
                         return made.composite(*stage.plate).rgb8();
                     };
                     return largest_code_difference(picture(true), picture(false));

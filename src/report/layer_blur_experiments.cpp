@@ -77,8 +77,8 @@ ImageF magnified_picture(const SceneStage& stage, const Scene& scene, double cor
     camera.fy *= scale;
     camera.cx = x + (camera.cx - x) * scale;
     camera.cy = y + (camera.cy - y) * scale;
-    Compositor compositor(stage.context, scene, solve, {.settings = without_rays(quality_of(QualityLevel::final_)), .layers = true},
-                          stage.warnings);
+    Compositor compositor(stage.context, scene, solve,
+                          {.settings = without_rays(quality_of(QualityLevel::final_)), .layers = true}, stage.warnings);
     const CompositedFrame frame = compositor.composite(*stage.plate);
     return beauty_over(compositor, frame, region);
 }

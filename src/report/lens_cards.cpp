@@ -56,7 +56,8 @@ namespace {
 ImageF drawn_layer(GlContext& context, const LensCardShot& shot, const Quality& quality, ImageF FrameLayers::*layer) {
     Warnings warnings;
     warnings.set_quiet(true);
-    Compositor compositor(context, shot.scene, shot.solve, {.settings = without_rays(quality), .layers = true}, warnings);
+    Compositor compositor(context, shot.scene, shot.solve, {.settings = without_rays(quality), .layers = true},
+                          warnings);
     const Camera& camera = shot.solve.camera;
     BlankSource source({.path = "cards", .width = camera.width, .height = camera.height, .frames = 1, .fps = 25});
     const CompositedFrame frame = compositor.composite(*source.next());
