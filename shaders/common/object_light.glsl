@@ -6,9 +6,8 @@ uniform samplerBuffer ray_radiosity;   // of a vertex: what it sends diffusely, 
 uniform samplerBuffer ray_emission;
 uniform int ray_bounces;   // mirrors within mirrors that are followed
 
-// Along a ray from `from`, whose lobe has `roughness`; `misses` says what it is worth that no object is met: 0 leaves
-// out what comes from beyond the objects.
-vec3 light_along(vec3 from, vec3 direction, float roughness, float misses) {
+// Along a ray from `from`, whose lobe has `roughness`; without `beyond_objects` only what an object sends or mirrors.
+vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects) {
     const float farthest = 3.4e38;
     const float least_share = 0.005;   // what is left of a ray that many mirrors took from
     vec3 light = vec3(0.0);
@@ -21,13 +20,13 @@ vec3 light_along(vec3 from, vec3 direction, float roughness, float misses) {
             hit = nearest_hit(from, direction, to_surface_m);
         }
         if (hit.instance < 0) {
-            if (bounce > 0 || misses > 0.0) light += share * light_beyond_objects(from, direction, roughness);
+            if (bounce > 0 || beyond_objects) light += share * light_beyond_objects(from, direction, roughness);
             break;
         }
         if (is_real(hit)) {
             // As the probe saw it: from its own place, where that is known.
             vec3 seen = from + hit.distance_m * direction - probe_place_m;
-            if (bounce > 0 || misses > 0.0)
+            if (bounce > 0 || beyond_objects)
                 light += share * reflected_radiance(surface_is_near != 0 ? normalize(seen) : direction, roughness);
             break;
         }
@@ -40,11 +39,7 @@ vec3 light_along(vec3 from, vec3 direction, float roughness, float misses) {
         }
         float cosine = max(dot(surface.world_normal, -direction), 1e-4);
         share *= material_scattering(surface.base, surface.metallic, split_sum(cosine, surface.roughness)).mirrored;
-        direction = reflect(direction, surface.world_normal);
-        // An interpolated normal may send it into the triangle.
-        float rise = dot(direction, surface.geometric_normal);
-        const float least_rise = 1e-3;
-        if (rise < least_rise) direction = normalize(direction + (least_rise - rise) * surface.geometric_normal);
+        direction = direction_off(reflect(direction, surface.world_normal), surface.geometric_normal);
         from = point_off(surface.world_position, surface.geometric_normal);
         roughness = min(sqrt(sqrt(pow(roughness, 4.0) + pow(surface.roughness, 4.0))), 1.0);
     }

@@ -127,6 +127,13 @@ RaySurface surface_at(RayHit hit, vec3 world_direction) {
     return surface;
 }
 
+// A direction off a surface: an interpolated normal may have sent it into the triangle.
+vec3 direction_off(vec3 direction, vec3 geometric_normal) {
+    const float least_rise = 1e-3;
+    float rise = dot(direction, geometric_normal);
+    return rise < least_rise ? normalize(direction + (least_rise - rise) * geometric_normal) : direction;
+}
+
 // A point just off a surface, so that a ray from it does not meet that surface again: as many steps of the floats
 // there as the intersection may err by, and no less than a share of its distance (after Wächter & Binder 2019, "A Fast
 // and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems, ch. 6).

@@ -62,11 +62,7 @@ float widened_roughness(float roughness, vec3 reflected_dx, vec3 reflected_dy) {
 // What comes along a direction, and how much of it the objects leave.
 vec3 light_from(vec3 direction, float roughness) {
 #ifdef RAYS
-    // An interpolated normal may send a ray into the triangle.
-    float rise = dot(direction, seen_side);
-    const float least_rise = 1e-3;
-    if (rise < least_rise) direction = normalize(direction + (least_rise - rise) * seen_side);
-    return light_along(point_off(world_position, seen_side), direction, roughness, 1.0);
+    return light_along(point_off(world_position, seen_side), direction_off(direction, seen_side), roughness, true);
 #elif defined(PLANE)
     return light_beyond_objects(world_position, direction, roughness);
 #else

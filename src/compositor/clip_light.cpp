@@ -142,7 +142,9 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
                             contact_shadow_ = make_contact_shadow(
                                 shaders_, casters(),
                                 make_surface_light(probe_, surface_.z_m, quality_.shadow.directions), quality_.shadow);
+                            cast_shadow_.reset();
                             if (contact_shadow_ && bounces()) cast_shadow_ = contact_shadow_->copy();
+                            shadow_has_bounce_ = false;
                         }});
         contact_input.push_back({map});
         inputs.push_back({map});
@@ -166,7 +168,8 @@ bool ClipLight::bounces() const {
 
 /// What bounced before, from objects that stood elsewhere, is not in it.
 void ClipLight::restore_cast_shadow() {
-    if (cast_shadow_) contact_shadow_ = cast_shadow_->copy();
+    if (cast_shadow_ && shadow_has_bounce_) contact_shadow_ = cast_shadow_->copy();
+    shadow_has_bounce_ = false;
 }
 
 void ClipLight::bake_object_shadow() {
@@ -221,6 +224,7 @@ void ClipLight::bounce_light() {
     bounce_to_surface(shaders_, objects, *contact_shadow_,
                       bounce_reach(surfaces_.shadow_caster_bounds_m(), surface_.z_m),
                       irradiance(probe_, Eigen::Vector3d::UnitZ()), quality_.bounce);
+    shadow_has_bounce_ = true;
 }
 
 }  // namespace matchlight

@@ -66,7 +66,8 @@ private:
     std::optional<ContactShadow> cast_shadow_;     // as cast; empty where no light bounces
     std::optional<ContactShadow> contact_shadow_;  // with what bounces to the surface
     SurfacePictureMap surface_picture_;
-    bool has_visibility_ = false;  // baked at the vertices
+    bool shadow_has_bounce_ = false;  // contact_shadow_ is no longer as cast
+    bool has_visibility_ = false;     // baked at the vertices
     SurfaceShading shading_;
     Texture2D no_shadow_{TextureShape{.format = GL_RGBA32F, .width = 2, .height = 2}};
 };

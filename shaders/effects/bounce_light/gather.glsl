@@ -21,7 +21,7 @@ vec3 gathered(vec3 world_position, vec3 n) {
         vec2 u = spread_point(uint(i), uvec2(1u << 30u));
         float r = sqrt(u.x);
         vec3 direction = vec3(r * cos(2.0 * pi * u.y), r * sin(2.0 * pi * u.y), sqrt(max(1.0 - u.x, 1e-6)));
-        sum += light_along(from, world_from_surface * direction, roughness, 0.0);
+        sum += light_along(from, world_from_surface * direction, roughness, false);
     }
     return sum / float(gather_rays);
 }
