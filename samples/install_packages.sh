@@ -17,6 +17,7 @@ packages=(
     libapriltag-dev libcairo2-dev libceres-dev libopencv-contrib-dev librsvg2-bin poppler-utils
     # models and drawing; Mesa's software rasteriser serves where there is no GPU
     libassimp-dev libegl-dev libegl1 libegl-mesa0 libepoxy-dev libfftw3-dev libgl1-mesa-dri libglfw3-dev libglm-dev
+    zlib1g-dev
     # a screen for the tests of the preview's window, where there is none
     xvfb
 )

@@ -61,7 +61,7 @@ void refuse_input_as_output(const fs::path& output, const Scene& scene) {
     inputs.insert(inputs.end(), {scene.footage.matte, scene.footage.depth});
     if (scene.probe) inputs.push_back(scene.probe->path);
     inputs.push_back(scene.background.image);
-    for (const ObjectSettings& object : scene.objects) inputs.push_back(object.model);
+    for (const ObjectSettings& object : scene.objects) inputs.insert(inputs.end(), {object.model, object.spheres});
     for (const fs::path& input : inputs) {
         std::error_code ignored;
         if (!input.empty() && (fs::equivalent(output, input, ignored) ||

@@ -18,6 +18,7 @@
 #include "render/effects/exposure.h"
 #include "scene/footage_options.h"
 #include "scene/model.h"
+#include "scene/sphere_file.h"
 #include "tracking/scene_solve.h"
 
 namespace matchlight {
@@ -57,6 +58,7 @@ std::string meter_key(const Scene& scene) {
     if (!scene.background.image.empty()) hash.add_file(scene.background.image);
     for (const ObjectSettings& object : scene.objects) {
         if (!object.model.empty()) add_model_contents(hash, object.model, unheard);
+        if (!object.spheres.empty()) add_sphere_contents(hash, object.spheres);
         if (!object.material.texture.empty()) hash.add_file(object.material.texture);
     }
     if (!scene.camera) {

@@ -63,6 +63,11 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
     for (const ObjectSettings& object : scene.objects) {
         if (moves(object)) moving_.push_back(objects_.size());
         objects_.push_back({object, world_from_parent(object, solve, scene.path)});
+        if (!object.spheres.empty()) {
+            throw InputError(scene.path, fmt::format("object '{}' is a set of spheres, which this version reads and "
+                                                     "does not draw",
+                                                     object.name));
+        }
         Model model = object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
         if (!object.material.texture.empty()) set_base_color_texture(model, object.material.texture);
         if (preparation.fine_meshes) shorten_edges(model, object.holdout);

@@ -66,6 +66,7 @@ private:
     const toml::table& light_of(const toml::node& node);
     void check_tag(const toml::table& table);
     void check_object(const toml::table& table);
+    void check_spheres(const toml::table& table);
     void check_camera(const toml::table& table);
     void check_background(const toml::node& node);
     void check_exposure(const toml::table& root);
@@ -291,12 +292,15 @@ void SceneReader::check_tag(const toml::table& table) {
 
 void SceneReader::check_object(const toml::table& table) {
     ObjectSettings& object = scene_.objects.back();
-    if (object.model.empty() == object.shape.empty()) {
+    const int given =
+        (object.model.empty() ? 0 : 1) + (object.shape.empty() ? 0 : 1) + (object.spheres.empty() ? 0 : 1);
+    if (given != 1) {
         source_.fail(table,
-                     fmt::format("[[object]] {} has {} of model and shape", scene_.objects.size(),
-                                 object.model.empty() ? "neither" : "both"),
+                     fmt::format("[[object]] {} has {} of model, shape and spheres", scene_.objects.size(),
+                                 given == 0 ? "none" : "more than one"),
                      "give one");
     }
+    check_spheres(table);
     if (object.parent_tag) {
         const bool known = std::any_of(scene_.tags.rig.begin(), scene_.tags.rig.end(),
                                        [&](const RigTag& tag) { return tag.id == *object.parent_tag; });
@@ -318,13 +322,33 @@ void SceneReader::check_object(const toml::table& table) {
     }
     if (!object.name.empty()) return;
     // Layers need names of their own: the second "sphere" becomes "sphere 2".
-    const std::string stem = object.model.empty() ? object.shape : object.model.stem().string();
+    const std::string stem = !object.shape.empty()   ? object.shape
+                             : !object.model.empty() ? object.model.stem().string()
+                                                     : object.spheres.stem().string();
     const auto taken = [&](const std::string& name) {
         return std::any_of(scene_.objects.begin(), scene_.objects.end() - 1,
                            [&](const ObjectSettings& other) { return other.name == name; });
     };
     object.name = stem;
     for (int number = 2; taken(object.name); ++number) object.name = fmt::format("{} {}", stem, number);
+}
+
+void SceneReader::check_spheres(const toml::table& table) {
+    const ObjectSettings& object = scene_.objects.back();
+    if (object.spheres.empty()) {
+        const toml::node* sphere = table.get("sphere");
+        if (sphere != nullptr)
+            source_.fail(*sphere, "'sphere' in [object] is of no use without spheres", "leave it out");
+        return;
+    }
+    const auto is_even = [](const Eigen::Vector3d& scale) { return scale.x() == scale.y() && scale.y() == scale.z(); };
+    const bool keys_are_even =
+        std::ranges::all_of(object.keys, [&](const ObjectKey& key) { return is_even(key.scale); });
+    if (is_even(object.scale) && keys_are_even) return;
+    source_.fail(table,
+                 fmt::format("'scale' of [[object]] {} differs from axis to axis, and spheres stay spheres",
+                             scene_.objects.size()),
+                 "give one number");
 }
 
 void SceneReader::check_camera(const toml::table& table) {

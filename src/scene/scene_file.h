@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -89,10 +90,30 @@ struct FocusOverride {
     std::optional<double> distance_m;  // as if the lens were focused there; absent: sharp everywhere
 };
 
+/// Which axis of a file points up.
+enum class SphereAxes { z, y };
+
+/// How the columns of a file become spheres.
+struct SphereSettings {
+    std::optional<double> radius;  // of all, in the file's units
+    std::string radius_column;
+    double radius_scale = 1;
+    std::string color_column;   // or "element"
+    std::size_t color_map = 0;  // index into color_map_names()
+    std::optional<std::array<double, 2>> color_range;
+    double opacity = 1;
+    std::string opacity_column;
+    SphereAxes up = SphereAxes::z;
+    std::int64_t frame = 0;  // of a trajectory
+};
+
 struct ObjectSettings {
-    std::filesystem::path model;  // empty when `shape` is given
-    std::string shape;            // a word that make_shape() knows
-    std::string name;             // for layers and messages; the file's stem unless given
+    // One of three:
+    std::filesystem::path model;
+    std::string shape;              // a word that make_shape() knows
+    std::filesystem::path spheres;  // what load_sphere_set() reads
+    SphereSettings sphere;
+    std::string name;  // for layers and messages; the file's stem unless given
     Eigen::Vector3d translate_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d rotate_deg = Eigen::Vector3d::Zero();
     Eigen::Vector3d scale = Eigen::Vector3d::Ones();

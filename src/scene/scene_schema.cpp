@@ -12,6 +12,7 @@
 #include "scene/effect_schema.h"
 #include "scene/object_motion_schema.h"
 #include "scene/setting_domains.h"
+#include "scene/sphere_schema.h"
 
 namespace matchlight {
 namespace {
@@ -37,6 +38,7 @@ const std::vector<SceneSection> shot_sections = {
     {"light", SectionUse::optional, "The light probe.", [](Scene& s) { s.probe.emplace(); }},
     {"object", SectionUse::repeated, "A virtual object, one `[[object]]` each.",
      [](Scene& s) { s.objects.emplace_back(); }},
+    {"object.sphere", SectionUse::nested, "How the columns of the file that `spheres` names become spheres.", nullptr},
     {"object.keys", SectionUse::nested,
      "Where the object is at some frames; a smooth curve between them (Catmull-Rom), at rest beyond. What a key leaves "
      "out is as the object has it.",
@@ -140,7 +142,9 @@ const std::vector<Setting> own_settings = {
      [](Scene& s, const SettingValue& v) { s.objects.back().model = v.path; }},
     {"object", "shape", one_of({"sphere", "box", "plane", "torus", "cylinder", "cone", "teapot"}), "", "",
      "instead of a model", [](Scene& s, const SettingValue& v) { s.objects.back().shape = v.text; }},
-    {"object", "spheres", of_kind(not_built), "", "", "a set of spheres, instead of a model", nullptr},
+    {"object", "spheres", of_kind(input_file), "", "", "a set of spheres instead of a model: XYZ or CSV",
+     [](Scene& s, const SettingValue& v) { s.objects.back().spheres = v.path; }},
+    {"object", "sphere", of_kind(section), "", "", "how the file's columns become spheres", nullptr},
     {"object", "name", of_kind(text), "", "", "for layers and messages; the file's stem unless given",
      [](Scene& s, const SettingValue& v) { s.objects.back().name = v.text; }},
     {"object", "translate", between(vector, -1e6, 1e6), "m", "[0, 0, 0]", "last of the three: scale, rotate, translate",
@@ -230,7 +234,8 @@ std::vector<Row> joined(const std::vector<Row>& rows, const std::vector<Row>& mo
 const std::vector<SceneSection> section_table =
     joined(joined(joined(footage_sections, camera_sections()), shot_sections), effect_sections());
 const std::vector<Setting> setting_table =
-    joined(joined(joined(own_settings, object_motion_settings()), effect_settings()), camera_settings());
+    joined(joined(joined(joined(own_settings, sphere_settings()), object_motion_settings()), effect_settings()),
+           camera_settings());
 
 std::string_view type_name(SettingKind kind) {
     switch (kind) {
@@ -250,6 +255,8 @@ std::string_view type_name(SettingKind kind) {
             return "[r, g, b]";
         case vector:
             return "[x, y, z]";
+        case interval:
+            return "[from, to]";
         case scale:
         case rotation:
             return "number or [x, y, z]";

@@ -25,6 +25,7 @@ enum class SettingKind {
     measure,     // a number, or one of a few words: then `text` is the word, otherwise empty
     color,       // [r, g, b], scene-linear
     vector,      // [x, y, z]
+    interval,    // [from, to], ascending: the vector's x and y
     scale,       // a number for all axes, or [x, y, z]
     rotation,    // a number about z, or [x, y, z]
     input_file,  // must exist; or one of `choices`

@@ -73,6 +73,16 @@ Eigen::Vector3d vector_of(const SceneSource& source, const Setting& setting, con
     return vector;
 }
 
+Eigen::Vector3d interval_of(const SceneSource& source, const Setting& setting, const toml::node& node) {
+    const toml::array* array = node.as_array();
+    if (array == nullptr || array->size() != 2) wrong_type(source, setting, node);
+    const Eigen::Vector3d ends(number_of(source, setting, (*array)[0]), number_of(source, setting, (*array)[1]), 0);
+    if (!(ends.x() < ends.y())) {
+        source.fail(node, fmt::format("{} is {}, which does not ascend", place_name(setting), excerpt(node)));
+    }
+    return ends;
+}
+
 std::size_t choice_of(const SceneSource& source, const Setting& setting, const toml::node& node) {
     const std::string word = text_of(source, setting, node);
     const auto& choices = setting.domain.choices;
@@ -152,6 +162,9 @@ SettingValue read_setting(const SceneSource& source, const Setting& setting, con
         case SettingKind::color:
         case SettingKind::vector:
             value.vector = vector_of(source, setting, node);
+            break;
+        case SettingKind::interval:
+            value.vector = interval_of(source, setting, node);
             break;
         case SettingKind::scale:
             value.vector = node.is_number() ? Eigen::Vector3d::Constant(number_of(source, setting, node)).eval()

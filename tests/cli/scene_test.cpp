@@ -90,7 +90,7 @@ TEST_F(SceneCommand, WrongKeysAndValuesNameTheLine) {
         {scene_with("[[object]]\nshape = \"bax\"\n"), {"scene.toml:9", "did you mean 'box'?"}},
         {scene_with("[[object]]\nmodel = \"none.glb\"\n"), {"scene.toml:9", "none.glb", "'model'"}},
         {scene_with("[surface]\nz = nan\n"), {"scene.toml:9", "not finite"}},
-        {scene_with("[[object]]\nspheres = \"atoms.xyz\"\n"), {"scene.toml:9", "spheres", "this version cannot"}},
+        {scene_with("[[object]]\nspheres = \"atoms.xyz\"\n"), {"scene.toml:9", "spheres", "there is no file"}},
         {scene_with("[camera]\nwidth = 800\n"), {"scene.toml:8", "leave one of them out"}},
         {"[tags]\nrig = [{id = 0, size = 0.08}]\n", {"neither footage nor a camera"}},
         {"[footage]\nvideo = \"plate.mp4\"\ncamera = \"none.yaml\"\n[tags]\nrig = [{id = 0, size = 1}]\n",

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "scene/color_map.h"
 #include "scene/scene_schema.h"
 #include "temporary_folder.h"
 
@@ -273,8 +274,8 @@ TEST_F(SceneFile, WrongTypesAndRangesNameTheLine) {
         {"[[object]]\nshape = \"box\"\nmaterial = {metallic = 2}", "outside its range (number, from 0 to 1)"},
         {"[[object]]\nshape = \"box\"\nmaterial = {base_color = [0, 0, -1]}", "outside its range"},
         {"[[object]]\nshape = \"box\"\nmodel = \"objects.glb\"",
-         "scene.toml:6: [[object]] 1 has both of model and shape"},
-        {"[[object]]\nname = \"a\"", "has neither of model and shape"},
+         "scene.toml:6: [[object]] 1 has more than one of model, shape and spheres"},
+        {"[[object]]\nname = \"a\"", "has none of model, shape and spheres"},
         {"[[object]]\nshape = \"box\"\nparent_tag = 7", "scene.toml:8: the rig has no tag 7 to be a parent"},
         {"[light]\nexposure_ev = 1", "scene.toml:6: 'probe' is missing in [light]"},
     };
@@ -323,11 +324,48 @@ TEST_F(SceneFile, WhatThisVersionCannotDoIsSaid) {
     EXPECT_THAT(error_after("[[light]]\ntype = \"point\"\n"),
                 HasSubstr("scene.toml:6: [[light]]: this version has no analytic"));
     EXPECT_THAT(error_after("[light]\ntype = \"point\"\n"), HasSubstr("no analytic lights"));
-    EXPECT_THAT(error_after("[[object]]\nspheres = \"a.xyz\"\n"),
-                HasSubstr("scene.toml:7: 'spheres' in [object]: this version cannot"));
     EXPECT_EQ(load(std::string(footage_and_tags) + "[[light]]\nprobe = \"room.exr\"\n").probe->path,
               folder_ / "room.exr");
     EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(SceneFile, SpheresAndWhatTheirColumnsBecome) {
+    write("atoms in water.xyz", "0\n\n");
+    const std::string spheres = "[[object]]\nspheres = \"atoms in water.xyz\"\nscale = 1e-3\n";
+    const Scene plain = load(footage_and_tags + spheres);
+    EXPECT_EQ(plain.objects[0].spheres, folder_ / "atoms in water.xyz");
+    EXPECT_EQ(plain.objects[0].name, "atoms in water");
+    EXPECT_FALSE(plain.objects[0].sphere.radius);
+    EXPECT_EQ(plain.objects[0].sphere.radius_scale, 1);
+    const Scene mapped = load(footage_and_tags + spheres +
+                              "[object.sphere]\nradius = 0.5\nradius_scale = 2\ncolor_column = \"speed\"\n"
+                              "color_map = \"magma\"\ncolor_range = [-1, 4]\nopacity = 0.25\n"
+                              "opacity_column = \"age\"\nup = \"y\"\nframe = 3\n");
+    const SphereSettings& sphere = mapped.objects[0].sphere;
+    EXPECT_EQ(sphere.radius, 0.5);
+    EXPECT_EQ(sphere.radius_scale, 2);
+    EXPECT_EQ(sphere.color_column, "speed");
+    EXPECT_EQ(color_map_names().at(sphere.color_map), "magma");
+    EXPECT_EQ(sphere.color_range, (std::array<double, 2>{-1, 4}));
+    EXPECT_EQ(sphere.opacity, 0.25);
+    EXPECT_EQ(sphere.opacity_column, "age");
+    EXPECT_EQ(sphere.up, SphereAxes::y);
+    EXPECT_EQ(sphere.frame, 3);
+}
+
+TEST_F(SceneFile, SpheresThatCannotBe) {
+    write("a.xyz", "0\n\n");
+    const std::string spheres = "[[object]]\nspheres = \"a.xyz\"\n";
+    EXPECT_THAT(error_after("[[object]]\nspheres = \"no.xyz\"\n"), HasSubstr("scene.toml:7: 'spheres' in [object]"));
+    EXPECT_THAT(error_after(spheres + "shape = \"box\"\n"), HasSubstr("more than one of model, shape and spheres"));
+    EXPECT_THAT(error_after(spheres + "scale = [1, 2, 1]\n"), HasSubstr("'scale' of [[object]] 1 differs"));
+    EXPECT_THAT(error_after(spheres + "keys = [{frame = 0, scale = [1, 1, 2]}]\n"), HasSubstr("spheres stay spheres"));
+    EXPECT_THAT(error_after(spheres + "sphere = {radius = 0}\n"), HasSubstr("scene.toml:8: 'radius'"));
+    EXPECT_THAT(error_after(spheres + "sphere = {radius = nan}\n"), HasSubstr("not finite"));
+    EXPECT_THAT(error_after(spheres + "sphere = {color_range = [2, 1]}\n"), HasSubstr("does not ascend"));
+    EXPECT_THAT(error_after(spheres + "sphere = {color_range = [2]}\n"), HasSubstr("not [from, to]"));
+    EXPECT_THAT(error_after(spheres + "sphere = {color_map = \"viridi\"}\n"), HasSubstr("did you mean 'viridis'?"));
+    EXPECT_THAT(error_after("[[object]]\nshape = \"box\"\nsphere = {radius = 1}\n"), HasSubstr("without spheres"));
 }
 
 TEST_F(SceneFile, EffectsThatAreOffOrUnknown) {
