@@ -8,7 +8,9 @@
 
 #include "core/image.h"
 #include "report/depth_of_field_study.h"
+#include "report/knob.h"
 #include "report/measured_time.h"
+#include "report/sphere_study.h"
 #include "report/track_report.h"
 
 namespace matchlight {
@@ -21,11 +23,6 @@ struct PointErrors {
     std::optional<double> relative_rms;  // of linear light
     // Of the light that an effect spreads and must keep: mean over the reference's, less 1.
     std::optional<double> mean_light = {};
-};
-
-struct Knob {
-    std::string name;  // "directions"
-    double value = 0;
 };
 
 /// One way to compute an effect.
@@ -108,10 +105,8 @@ struct Report {
     std::vector<BudgetRow> budget;
     std::optional<TrackReport> track;
     DepthOfFieldStudy depth_of_field_study;
+    SphereStudy sphere_study;
 };
-
-/// "128 directions, 1024 resolution".
-std::string knobs_text(const std::vector<Knob>& knobs);
 
 /// For each point whether no other is both quicker and nearer to the reference (FLIP).
 std::vector<bool> pareto_front(const std::vector<EffectPoint>& points);

@@ -145,8 +145,10 @@ std::string budget_section(const std::vector<BudgetRow>& rows) {
 std::string report_html(const Report& report) {
     const Machine& machine = report.machine;
     const bool is_study = !report.depth_of_field_study.empty();
+    const bool is_spheres = !report.sphere_study.empty();
     const std::string title = report.scene.empty() ? "Stability"
                               : report.track       ? fmt::format("Tracking, error against run time: {}", report.scene)
+                              : is_spheres         ? fmt::format("Sphere sets: {}", report.scene)
                               : is_study           ? fmt::format("Depth of field: {}", report.scene)
                                                    : fmt::format("Error against run time: {}", report.scene);
     std::string html = fmt::format(
@@ -154,7 +156,7 @@ std::string report_html(const Report& report) {
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><style>{1}</style></head><body>"
         "<h1>{0}</h1>",
         html_text(title), page_style);
-    const bool shows_frame = !report.scene.empty() && !report.track && !is_study;
+    const bool shows_frame = !report.scene.empty() && !report.track && !is_study && !is_spheres;
     if (shows_frame) html += fmt::format("<p>Frame {}, {}×{}. ", report.frame, report.width, report.height);
     html += fmt::format(
         "{}Matchlight {} on {} (OpenGL {}), {} cores; times by {}; a copy moves {:.1f} GB/s, the bound that no pass "
@@ -170,6 +172,7 @@ std::string report_html(const Report& report) {
             "else "
             "the machine does hits all alike.</p>";
     }
+    if (is_spheres) html += sphere_study_html(report.sphere_study);
     for (const EffectReport& effect : report.effects) html += effect_section(effect);
     if (report.track) html += track_html(*report.track);
     if (is_study) html += depth_of_field_study_html(report.depth_of_field_study);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/version.h"
+#include "report/csv_text.h"
 #include "report/report.h"
 #include "report/track_text.h"
 
@@ -58,25 +59,11 @@ ordered_json effect_json(const EffectReport& effect) {
     return json;
 }
 
-std::string quoted(const std::string& text) {
-    std::string field = "\"";
-    for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return field + "\"";
-}
-
 std::string field(const std::optional<double>& value) {
     return value && std::isfinite(*value) ? fmt::format("{:.9g}", *value) : std::string();
 }
 
 }  // namespace
-
-std::string knobs_text(const std::vector<Knob>& knobs) {
-    std::string text;
-    for (const Knob& knob : knobs) {
-        text += fmt::format("{}{} {:.4g}", text.empty() ? "" : ", ", knob.name, knob.value);
-    }
-    return text;
-}
 
 std::vector<bool> pareto_front(const std::vector<EffectPoint>& points) {
     std::vector<bool> front;
@@ -104,6 +91,7 @@ std::string report_json(const Report& report) {
         json["scene"] = report.scene;
     }
     if (report.track) json["track"] = track_json(*report.track);
+    if (!report.sphere_study.empty()) json["sphere_study"] = sphere_study_json(report.sphere_study);
     if (!report.depth_of_field_study.empty()) {
         json["depth_of_field_study"] = depth_of_field_study_json(report.depth_of_field_study);
     } else if (!report.scene.empty() && !report.track) {
@@ -151,6 +139,7 @@ std::string report_json(const Report& report) {
 std::string report_csv(const Report& report) {
     if (report.track) return track_csv(*report.track);
     if (!report.depth_of_field_study.empty()) return depth_of_field_study_csv(report.depth_of_field_study);
+    if (!report.sphere_study.empty()) return sphere_study_csv(report.sphere_study);
     std::string csv =
         "effect,level,knobs,precision,per,ms_median,ms_min,ms_max,bytes,bandwidth_bounds,flip,hdr_flip,psnr_db,"
         "relative_rms,mean_light,reference_self_error_flip,ms_saved,max_code_difference\n";
@@ -158,17 +147,17 @@ std::string report_csv(const Report& report) {
         const char* per = effect.unit == WorkUnit::frame ? "frame" : "clip";
         for (const EffectPoint& point : effect.points) {
             csv +=
-                fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},,\n", quoted(effect.name),
-                            quoted(point.level), quoted(knobs_text(point.knobs)), point.precision, per,
+                fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},,\n", csv_text(effect.name),
+                            csv_text(point.level), csv_text(knobs_text(point.knobs)), point.precision, per,
                             field(point.time.median_ms), field(point.time.min_ms), field(point.time.max_ms),
                             field(point.bytes), field(point.bandwidth_bounds), field(point.errors.flip),
                             field(point.errors.hdr_flip), field(point.errors.psnr_db), field(point.errors.relative_rms),
                             field(point.errors.mean_light), field(effect.reference_self_error_flip));
         }
         if (const auto& left_out = effect.left_out) {
-            csv +=
-                fmt::format("{},\"left out\",{},,{},,,,,,,,,,,,{},{}\n", quoted(effect.name),
-                            quoted(left_out->condition), per, field(left_out->ms_saved), left_out->max_code_difference);
+            csv += fmt::format("{},\"left out\",{},,{},,,,,,,,,,,,{},{}\n", csv_text(effect.name),
+                               csv_text(left_out->condition), per, field(left_out->ms_saved),
+                               left_out->max_code_difference);
         }
     }
     return csv;

@@ -34,7 +34,7 @@ std::vector<RunTime> time_in_turn(std::span<const std::function<void()>> works, 
     constexpr std::size_t enough = 3;
     std::vector<std::vector<double>> samples(works.size());
     for (const auto& work : works) {
-        if (work) work();
+        if (work && options.warm_up) work();
     }
     for (int repeat = 0; repeat < options.repeats; ++repeat) {
         for (std::size_t i = 0; i < works.size(); ++i) {

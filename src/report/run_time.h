@@ -18,10 +18,11 @@ struct TimingOptions {
     int repeats = 7;
     /// A way that has taken this long in all is run no more, after three times.
     double most_seconds = 20;
+    bool warm_up = true;  // each is run once untimed
 };
 
-/// Runs each once untimed (programs compile), then all of them in turn, so that what else the machine does hits all
-/// alike. Empty ones take no time. Needs a current context.
+/// Runs each once untimed (programs compile) unless told not to, then all of them in turn, so that what else the
+/// machine does hits all alike. Empty ones take no time. Needs a current context.
 std::vector<RunTime> time_in_turn(std::span<const std::function<void()>> works, Stopwatch stopwatch,
                                   const TimingOptions& options);
 

@@ -90,23 +90,16 @@ std::vector<SphereShare> reference_coverage(const SphereCaster& spheres, const S
     return shares;
 }
 
-Image8 sphere_edges(const SphereCaster& spheres, const SphereView& view, int side, double margin_px) {
-    assert(side > 1);
-    Image8 edges(view.width(), view.height(), 1);
-    // The outermost places lie on the border of the grown square.
-    const double reach = (0.5 + margin_px) * side / (side - 1);
-    parallel_for(view.height(), [&](int y) {
-        for (int x = 0; x < view.width(); ++x) {
-            const std::int64_t middle = id_through(spheres, view, x, y);
-            bool one_thing = true;
-            for (int i = 0; i < side * side && one_thing; ++i) {
-                const double right = 2 * reach * place(i % side, side), down = 2 * reach * place(i / side, side);
-                one_thing = id_through(spheres, view, x + right, y + down) == middle;
-            }
-            edges.at(x, y) = one_thing ? 0 : 255;
-        }
-    });
-    return edges;
+bool is_sphere_edge(const SphereCaster& spheres, const SphereView& view, int x, int y, const EdgeTest& test) {
+    assert(test.side > 1);
+    const int side = test.side;
+    const double spread = (1 + 2 * test.margin_px) * side / (side - 1);
+    const std::int64_t middle = id_through(spheres, view, x, y);
+    for (int i = 0; i < side * side; ++i) {
+        const double right = spread * place(i % side, side), down = spread * place(i / side, side);
+        if (id_through(spheres, view, x + right, y + down) != middle) return true;
+    }
+    return false;
 }
 
 ImageF reference_opaque(const SphereCaster& spheres, const SphereView& view, int side, const SphereLight& light) {

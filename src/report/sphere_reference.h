@@ -63,9 +63,13 @@ struct SphereShare {
 std::vector<SphereShare> reference_coverage(const SphereCaster& spheres, const SphereView& view, int x, int y,
                                             int side);
 
-/// 255 where a pixel shows more than one thing (a silhouette, a seam where spheres meet) or comes within `margin_px` of
-/// it, by `side` × `side` places; 0 where it shows one sphere, or nothing, all over.
-Image8 sphere_edges(const SphereCaster& spheres, const SphereView& view, int side, double margin_px);
+/// Whether a pixel shows more than one thing (a silhouette, a seam where spheres meet) or comes within `margin_px` of
+/// it, by `side` × `side` places, the outermost on the border of the grown pixel.
+struct EdgeTest {
+    int side = 4;
+    double margin_px = 0;
+};
+bool is_sphere_edge(const SphereCaster& spheres, const SphereView& view, int x, int y, const EdgeTest& test);
 
 /// RGB and the share that spheres cover, the mean of `side` × `side` places a pixel; light is premultiplied.
 ImageF reference_opaque(const SphereCaster& spheres, const SphereView& view, int side, const SphereLight& light);
