@@ -26,6 +26,7 @@ const std::vector<AddCommand> command_table = {
     matchlight::add_response_command,
     matchlight::add_merge_command,
     matchlight::add_probe_command,
+    matchlight::add_spheres_command,
     matchlight::add_track_command,
     matchlight::add_render_command,
     matchlight::add_preview_command,

@@ -28,6 +28,7 @@ void add_probe_command(CLI::App& app, CommandContext& context);
 void add_render_command(CLI::App& app, CommandContext& context);
 void add_report_command(CLI::App& app, CommandContext& context);
 void add_response_command(CLI::App& app, CommandContext& context);
+void add_spheres_command(CLI::App& app, CommandContext& context);
 void add_track_command(CLI::App& app, CommandContext& context);
 
 }  // namespace matchlight

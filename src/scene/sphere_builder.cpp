@@ -338,6 +338,7 @@ SphereSet SphereBuilder::finish() {
     if (count == 0) warnings_.add(fmt::format("{}: it holds no spheres", path_.string()));
     SphereSet set;
     set.name = path_.stem().string();
+    set.columns = std::move(columns_);
     set.spheres = spheres_.take(count);
     if (coloring_ != Coloring::none) {
         set.colors = colors_.take(count);

@@ -27,7 +27,14 @@ void read_spheres(ChunkedFile& file, std::int64_t frame, SphereBuilder& builder)
     const std::string kind = kind_of(file.path());
     if (kind == ".xyz" || kind == ".extxyz") return read_xyz_spheres(file, frame, builder);
     if (kind == ".csv" || kind == ".tsv" || kind == ".txt") return read_csv_spheres(file, builder);
-    throw InputError(file.path(), fmt::format("sphere sets of kind '{}' are not supported", kind), "use .xyz or .csv");
+    if (kind == ".pdb" || kind == ".ent") return read_pdb_spheres(file, frame, builder);
+    if (kind == ".cif" || kind == ".mmcif") return read_mmcif_spheres(file, frame, builder);
+    if (kind == ".gro") return read_gro_spheres(file, frame, builder);
+    if (kind == ".ply") return read_ply_spheres(file, builder);
+    if (kind == ".vtk") return read_vtk_spheres(file, builder);
+    if (kind == ".bgeo") return read_bgeo_spheres(file, builder);
+    throw InputError(file.path(), fmt::format("sphere sets of kind '{}' are not supported", kind),
+                     "use .xyz, .pdb, .cif, .gro, .csv, .vtk, .ply or .bgeo");
 }
 
 }  // namespace

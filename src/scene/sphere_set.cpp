@@ -10,6 +10,10 @@ bool SphereSet::blends() const {
     return std::ranges::any_of(opacities, [](float one) { return one < 1; });
 }
 
+std::size_t SphereSet::bytes() const {
+    return spheres.size() * sizeof(Sphere) + colors.size() * sizeof(colors[0]) + opacities.size() * sizeof(float);
+}
+
 void SphereSet::update_bounds() {
     bounds_m.setEmpty();
     for (const Sphere& sphere : spheres) {

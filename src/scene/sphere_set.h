@@ -27,7 +27,11 @@ struct SphereSet {
     float opacity = 1;
     Eigen::AlignedBox3d bounds_m;  // of the spheres, not of their centres alone
 
+    std::vector<std::string> columns;  // what else its file says of each sphere, by name
+
     std::size_t size() const { return spheres.size(); }
+    /// What the spheres take in memory.
+    std::size_t bytes() const;
     /// Whether any sphere lets light through.
     bool blends() const;
     /// Makes `bounds_m` the box of all spheres.
