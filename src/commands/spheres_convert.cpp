@@ -46,7 +46,7 @@ void run_convert(const SpheresConvertCall& call, CommandContext& context) {
 void add_spheres_convert_command(CLI::App& spheres, CommandContext& context) {
     CLI::App* command = spheres.add_subcommand("convert", "Write a sphere set as PLY, XYZ or CSV");
     const auto call = std::make_shared<SpheresConvertCall>();
-    command->add_option("IN", call->input, "XYZ, PDB, mmCIF, GRO, CSV, VTK, PLY or bgeo")->required();
+    command->add_option("IN", call->input, "XYZ, PDB, mmCIF, GRO, CSV, VTK, VTP, PLY or bgeo")->required();
     command->add_option("-o,--output", call->output, "Where to write: .ply, .xyz or .csv")->required();
     add_sphere_options(*command, call->settings);
     command->add_flag("--overwrite", call->overwrite, "Replace a file that exists");

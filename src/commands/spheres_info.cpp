@@ -51,7 +51,7 @@ void run_info(const SpheresInfoCall& call, CommandContext& context) {
 void add_spheres_info_command(CLI::App& spheres, CommandContext& context) {
     CLI::App* command = spheres.add_subcommand("info", "Count, box, radii, columns and memory of a sphere set");
     const auto call = std::make_shared<SpheresInfoCall>();
-    command->add_option("FILE", call->file, "XYZ, PDB, mmCIF, GRO, CSV, VTK, PLY or bgeo")->required();
+    command->add_option("FILE", call->file, "XYZ, PDB, mmCIF, GRO, CSV, VTK, VTP, PLY or bgeo")->required();
     add_sphere_options(*command, call->settings);
     command->callback([call, &context] { run_info(*call, context); });
 }

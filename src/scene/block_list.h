@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace matchlight {
@@ -12,40 +13,55 @@ namespace matchlight {
 template <class T>
 class BlockList {
 public:
-    /// Large enough that the system takes a block back at once when it is freed.
-    static constexpr std::size_t block_items = (64u << 20) / sizeof(T);
+    /// Above glibc's largest threshold (32 MiB): the system gets such a block back as soon as it is freed.
+    static constexpr std::size_t block_items = (33u << 20) / sizeof(T);
 
-    std::size_t size() const { return size_; }
-    /// Whether the next push_back takes a new block.
-    bool is_full() const { return size_ == blocks_.size() * block_items; }
+    /// Of an empty list: how long it will be, at least; then nothing is copied at all.
+    void reserve(std::size_t size) { first_.reserve(size); }
+
+    std::size_t size() const { return first_.size() + rest_size_; }
+    /// Whether the next push_back takes more memory.
+    bool is_full() const { return first_.size() == first_.capacity() && rest_size_ == rest_.size() * block_items; }
 
     void push_back(const T& item) {
-        if (is_full()) blocks_.push_back(std::make_unique_for_overwrite<T[]>(block_items));
-        blocks_[size_ / block_items][size_ % block_items] = item;
-        ++size_;
+        if (first_.size() < first_.capacity()) {
+            first_.push_back(item);
+            return;
+        }
+        if (is_full()) rest_.push_back(std::make_unique_for_overwrite<T[]>(block_items));
+        rest_[rest_size_ / block_items][rest_size_ % block_items] = item;
+        ++rest_size_;
     }
     void resize(std::size_t size, const T& item) {
-        while (size_ < size) push_back(item);
+        if (this->size() == 0) reserve(size);
+        while (this->size() < size) push_back(item);
     }
-    T& operator[](std::size_t i) { return blocks_[i / block_items][i % block_items]; }
+    T& operator[](std::size_t i) {
+        if (i < first_.size()) return first_[i];
+        i -= first_.size();
+        return rest_[i / block_items][i % block_items];
+    }
 
     /// The first `count` items as one vector; the list is empty then.
     std::vector<T> take(std::size_t count) {
-        std::vector<T> all;
+        std::vector<T> all = std::move(first_);
+        first_ = {};
+        all.erase(all.begin() + static_cast<std::ptrdiff_t>(std::min(count, all.size())), all.end());
         all.reserve(count);
-        for (std::unique_ptr<T[]>& block : blocks_) {
+        for (std::unique_ptr<T[]>& block : rest_) {
             const std::size_t items = std::min(block_items, count - all.size());
             all.insert(all.end(), block.get(), block.get() + items);
             block.reset();
         }
-        blocks_.clear();
-        size_ = 0;
+        rest_.clear();
+        rest_size_ = 0;
         return all;
     }
 
 private:
-    std::vector<std::unique_ptr<T[]>> blocks_;
-    std::size_t size_ = 0;
+    std::vector<T> first_;
+    std::vector<std::unique_ptr<T[]>> rest_;
+    std::size_t rest_size_ = 0;
 };
 
 }  // namespace matchlight

@@ -142,7 +142,7 @@ const std::vector<Setting> own_settings = {
      [](Scene& s, const SettingValue& v) { s.objects.back().model = v.path; }},
     {"object", "shape", one_of({"sphere", "box", "plane", "torus", "cylinder", "cone", "teapot"}), "", "",
      "instead of a model", [](Scene& s, const SettingValue& v) { s.objects.back().shape = v.text; }},
-    {"object", "spheres", of_kind(input_file), "", "", "a set of spheres instead of a model: XYZ, PDB, mmCIF, GRO, CSV, VTK, PLY or bgeo",
+    {"object", "spheres", of_kind(input_file), "", "", "a set of spheres instead of a model: XYZ, PDB, mmCIF, GRO, CSV, VTK, VTP, PLY or bgeo",
      [](Scene& s, const SettingValue& v) { s.objects.back().spheres = v.path; }},
     {"object", "sphere", of_kind(section), "", "", "how the file's columns become spheres", nullptr},
     {"object", "name", of_kind(text), "", "", "for layers and messages; the file's stem unless given",

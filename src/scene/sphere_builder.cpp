@@ -144,7 +144,11 @@ void SphereBuilder::choose_coloring() {
 void SphereBuilder::begin(std::optional<std::uint64_t> count) {
     require_columns();
     choose_coloring();
-    if (count) require_memory(*count);
+    if (!count) return;
+    require_memory(*count);
+    spheres_.reserve(*count);
+    if (coloring_ != Coloring::none) colors_.reserve(*count);
+    if (claimed(SphereValue::opacity)) opacities_.reserve(*count);
 }
 
 Sphere SphereBuilder::placed(const std::array<double, 3>& centre) const {

@@ -32,9 +32,10 @@ void read_spheres(ChunkedFile& file, std::int64_t frame, SphereBuilder& builder)
     if (kind == ".gro") return read_gro_spheres(file, frame, builder);
     if (kind == ".ply") return read_ply_spheres(file, builder);
     if (kind == ".vtk") return read_vtk_spheres(file, builder);
+    if (kind == ".vtp" || kind == ".vtu") return read_vtp_spheres(file, builder);
     if (kind == ".bgeo") return read_bgeo_spheres(file, builder);
     throw InputError(file.path(), fmt::format("sphere sets of kind '{}' are not supported", kind),
-                     "use .xyz, .pdb, .cif, .gro, .csv, .vtk, .ply or .bgeo");
+                     "use .xyz, .pdb, .cif, .gro, .csv, .vtk, .vtp, .ply or .bgeo");
 }
 
 }  // namespace

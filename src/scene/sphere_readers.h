@@ -15,6 +15,7 @@ void read_mmcif_spheres(ChunkedFile& file, std::int64_t frame, SphereBuilder& bu
 void read_gro_spheres(ChunkedFile& file, std::int64_t frame, SphereBuilder& builder);
 void read_ply_spheres(ChunkedFile& file, SphereBuilder& builder);
 void read_vtk_spheres(ChunkedFile& file, SphereBuilder& builder);
+void read_vtp_spheres(ChunkedFile& file, SphereBuilder& builder);
 void read_bgeo_spheres(ChunkedFile& file, SphereBuilder& builder);
 
 }  // namespace matchlight

@@ -182,6 +182,49 @@ TEST_F(SphereFormats, VtkInAsciiAndBinary) {
                 HasSubstr("'STRUCTURED_POINTS' has no spheres"));
 }
 
+/// A VTP of two points with radii; each array is given as its attributes and contents.
+std::string vtp(const std::string& attributes, const std::array<std::string, 2>& arrays, const std::string& end = {}) {
+    return "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\"" + attributes +
+           "><PolyData><Piece NumberOfPoints='2' NumberOfVerts='0'>\n<PointData Scalars=\"radius\">"
+           "<DataArray type=\"Float64\" Name=\"radius\" " +
+           arrays[1] +
+           "</DataArray></PointData><CellData></CellData><Points><DataArray type=\"Float32\" "
+           "NumberOfComponents=\"3\" " +
+           arrays[0] + "</DataArray></Points></Piece></PolyData>" + end + "</VTKFile>\n";
+}
+
+TEST_F(SphereFormats, VtpInEveryCoding) {
+    const std::string places = "GAAAAAAAgD8AAABAAABAQAAAgEAAAKBAAADAQA==", radii = "EAAAAAAAAAAAAOA/AAAAAAAA0D8=";
+    const std::string raw_places = little_endian({std::bit_cast<float>(24), 1, 2, 3, 4, 5, 6});
+    const std::string raw_radii = little_endian({std::bit_cast<float>(16), 0, 1.75F, 0, 1.625F});  // doubles 0.5, 0.25
+    const std::string zlib = " compressor=\"vtkZLibDataCompressor\"";
+    const auto appended = [](int offset) { return "format=\"appended\" offset=\"" + std::to_string(offset) + "\">"; };
+    const std::string text = vtp("", {"format=\"ascii\">1 2 3\n4 5 6", "format=\"ascii\">\n0.5 0.25 "});
+    const std::string base64 = vtp("", {"format=\"binary\">\n " + places, "format=\"binary\">" + radii});
+    // Packed by Python's zlib: places in two blocks of 16 and 8 bytes, radii in one.
+    const std::string packed =
+        vtp(zlib, {"format=\"binary\">AgAAABAAAAAIAAAAFQAAABAAAAA=eJxjYGiwZ2BgcAAiIG5wAAAQgwJAeJxjYFjgwMBwwAEABsgB4Q==",
+                   "format=\"binary\">AQAAABAAAAAAAAAAEgAAAA==eJxjYACBB/ZgiuGCPQAM5gIv"});
+    const std::string raw = vtp("", {appended(20), appended(0)},
+                                "<AppendedData encoding=\"raw\">\n _" + raw_radii + raw_places + "</AppendedData>");
+    const std::string appended_base64 = vtp("", {appended(0), appended(40)},
+                                            "<AppendedData encoding=\"base64\">_" + places + radii + "</AppendedData>");
+    for (const std::string& bytes : {text, base64, packed, raw, appended_base64}) {
+        EXPECT_THAT(load("a.vtp", bytes).spheres, ElementsAre(sphere_at(1, 2, 3, 0.5F), sphere_at(4, 5, 6, 0.25F)))
+            << bytes;
+    }
+    EXPECT_THAT(error_of("a.vtp", base64.substr(0, base64.find("AADAQA"))), HasSubstr("ends inside an array"));
+    EXPECT_THAT(error_of("a.vtp", vtp("", {"format=\"ascii\">1 2 3 4", "format=\"ascii\">1 1"})),
+                HasSubstr("shorter than its points are many"));
+    EXPECT_THAT(error_of("a.vtp", vtp("", {appended(0), appended(0)}, "<AppendedData encoding=\"raw\">_ab")),
+                HasSubstr("ends inside an array"));
+    EXPECT_THAT(error_of("a.vtp", vtp(" compressor=\"vtkLZ4DataCompressor\"", {">", ">"})), HasSubstr("vtkLZ4"));
+    std::string lie = text;
+    lie.replace(lie.find("Points='2'"), 10, "Points='1000000000'");
+    EXPECT_THAT(error_of("a.vtp", lie), HasSubstr("1000000000 points"));
+    EXPECT_THAT(error_of("a.vtp", "<html></html>"), HasSubstr("no VTK file"));
+}
+
 std::string whole(std::uint32_t value) {
     return big_endian({std::bit_cast<float>(value)});
 }
