@@ -27,7 +27,7 @@ vec3 reflection_dx = vec3(0.0), reflection_dy = vec3(0.0);
 // Narrower discs are none, as circles of confusion are.
 const float least_left_px = 0.25;
 
-float surface_coc_px() { return object_is_sharp ? 0.0 : coc_scale_px_m * (object_focus_per_m - gl_FragCoord.w); }
+float surface_coc_px() { return object_is_sharp ? 0.0 : coc_scale_px_m * (object_focus_per_m - inverse_z()); }
 
 // The turn when the eye moves by `way_m`: of v, as the eye sees the place, and with it of 2 (n·v) n − v.
 vec3 turn_with_eye(vec3 way_m, vec3 n, vec3 v, float distance_m) {
@@ -50,7 +50,7 @@ void focus_reflection(vec3 n, vec3 v, float distance_m, vec3 dx, vec3 dy) {
     // A circle wider than the surface's would leave the surface's edges. Where a curved mirror ends it comes to the
     // surface's by itself; on a flat one, whose reflection turns as much as the eye does, the light is spread instead.
     if (image_px > abs(coc_px)) {
-        float eye2 = (dot(kx, kx) + dot(ky, ky)) * pow(gl_FragCoord.w * coc_scale_px_m, -2.0);
+        float eye2 = (dot(kx, kx) + dot(ky, ky)) * pow(inverse_z() * coc_scale_px_m, -2.0);
         drawn_px = mix(image_px, abs(coc_px), min(eye2 / turn2, 1.0));
     }
     drawn_px = min(drawn_px, max(coc_px < 0.0 ? -coc_range_px.x : coc_range_px.y, abs(coc_px)));

@@ -1,12 +1,8 @@
 #version 450 core
 // Which part of which object each sample sees. Links with surface/surface.vert; drawn multisampled.
 #include "common/material.glsl"
+#include "surface/seen.glsl"
 
-in vec3 world_position;
-in vec3 world_normal;
-in vec4 world_tangent;
-in vec2 material_uv;
-in vec4 vertex_color;
 
 uniform float first_part, material_index;  // the object's first part has this number; of the mesh
 uniform int sample_count;
@@ -34,6 +30,7 @@ int covered_samples(float part, float opacity) {
 }
 
 void main() {
+    if (!see()) discard;
     float opacity = base_color_at(material_uv, vertex_color).a;
     if (opacity < alpha_cutoff) discard;
     seen = first_part + material_index;

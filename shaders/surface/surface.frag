@@ -5,6 +5,7 @@
 #include "common/visibility.glsl"
 #include "common/near_light.glsl"
 #include "common/scattering.glsl"
+#include "surface/seen.glsl"
 #ifdef RAYS
 #include "common/object_light.glsl"
 #include "surface/lobe.glsl"
@@ -13,14 +14,18 @@
 #include "surface/lens_focus.glsl"
 #endif
 
-in vec3 world_position;
-in vec3 world_normal;
-in vec4 world_tangent;
-in vec2 material_uv;
-in vec4 vertex_color;
+#ifdef SPHERES
+#include "effects/object_shadow/object_shadow.glsl"
+uniform bool objects_shade;
+#else
 in vec3 vertex_visibility;  // of the light over the hemisphere, past other objects
+#endif
 #ifdef RAYS
+#ifdef SPHERES
+const vec3 vertex_bounce = vec3(0.0);
+#else
 in vec3 vertex_bounce;      // irradiance over π that comes from other objects
+#endif
 uniform int lobe_rays;      // a fragment, along the lobe of a rough surface
 vec3 seen_side;             // the triangle's normal towards the eye
 #endif
@@ -150,11 +155,15 @@ vec3 glossy_radiance(vec3 n, vec3 v, vec3 reflected, float roughness, vec3 refle
 }
 
 void main() {
+    if (!see()) discard;
+#ifdef SPHERES
+    vec3 vertex_visibility = objects_shade ? object_shadow(world_position, world_normal, false) : vec3(1.0);
+#endif
     vec4 base = base_color_at(material_uv, vertex_color);
     if (base.a < alpha_cutoff) discard;
     float alpha = alpha_blends ? clamp(base.a, 0.0, 1.0) : 1.0;
 
-    vec3 n = shading_normal(world_normal, world_tangent, material_uv, gl_FrontFacing);
+    vec3 n = shading_normal(world_normal, world_tangent, material_uv, front_facing);
     vec3 v = normalize(eye_world - world_position);
     // An interpolated normal may turn away from the eye near a silhouette; seen edge on it still reflects forwards.
     const float least_cosine = 1e-4;
@@ -164,16 +173,25 @@ void main() {
         n_dot_v = least_cosine;
     }
     vec3 reflected = reflect(-v, n);
+#ifdef SPHERES
+    vec3 reflected_dx, reflected_dy;
+    reflected_steps(reflected, reflected_dx, reflected_dy);
+#else
     vec3 reflected_dx = dFdx(reflected), reflected_dy = dFdy(reflected);
+#endif
 #ifdef LENS
     focus_reflection(n, v, length(eye_world - world_position), reflected_dx, reflected_dy);
 #endif
     vec3 diffuse_light = diffuse_radiance(n) * vertex_visibility;
 #ifdef RAYS
     diffuse_light += vertex_bounce;
+#ifdef SPHERES
+    seen_side = world_normal;
+#else
     seen_side = cross(dFdx(world_position), dFdy(world_position));
     seen_side = dot(seen_side, seen_side) > 0.0 ? normalize(seen_side) : n;
     if (dot(seen_side, v) < 0.0) seen_side = -seen_side;
+#endif
 #endif
 
     vec3 radiance, reflection;

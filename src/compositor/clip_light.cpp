@@ -58,7 +58,12 @@ ClipLight::ClipLight(ShaderLibrary& shaders, const Lit& lit, const Scene& scene,
 }
 
 ShadowCasters ClipLight::casters() {
-    return {surfaces_.shadow_caster_bounds_m(), [this](Program& program) { surfaces_.draw_shadow_casters(program); }};
+    ShadowCasters casters{surfaces_.shadow_caster_bounds_m(),
+                          [this](Program& program) { surfaces_.draw_shadow_casters(program); }};
+    if (surfaces_.any_spheres()) {
+        casters.cast_spheres = [this](const SphereCast& cast) { surfaces_.cast_shadow_spheres(cast); };
+    }
+    return casters;
 }
 
 ShadowCasters ClipLight::real_casters() {
@@ -87,6 +92,9 @@ void ClipLight::bind_shading(Program& program) const {
     program.set("surface_z_m", surface_.z_m);
     program.set("surface_is_near", is_near);
     program.set("probe_place_m", Eigen::Vector3f(place_m.cast<float>()));
+    program.set("objects_shade", object_shadow_.has_value());
+    if (object_shadow_) object_shadow_->bind(program, SurfaceShading::object_shadow_unit);
+    if (real_shadow_) real_shadow_->bind_as_real(program, SurfaceShading::object_shadow_unit + 1);
     program.set("surface_shadow_present", contact_shadow_.has_value());
     if (contact_shadow_) {
         contact_shadow_->bind(program, unit);
@@ -175,22 +183,22 @@ void ClipLight::restore_cast_shadow() {
 void ClipLight::bake_object_shadow() {
     restore_cast_shadow();
     has_visibility_ = false;
+    object_shadow_.reset();
+    real_shadow_.reset();
     const auto samples = sample_directions(probe_, quality_.object_shadow.directions, -1, false);
     const bool reals_cast = !surfaces_.real_caster_bounds_m().isEmpty();
     if (samples.empty() || (surfaces_.shadow_caster_bounds_m().isEmpty() && !reals_cast)) return;
-    const ObjectShadow object_shadow(shaders_, casters(), samples, quality_.object_shadow);
+    object_shadow_.emplace(shaders_, casters(), samples, quality_.object_shadow);
+    if (reals_cast) real_shadow_.emplace(shaders_, real_casters(), samples, quality_.object_shadow);
     Program& bake = shaders_.compute("effects/object_shadow/bake.comp");
     bake.use();
-    object_shadow.bind(bake, SurfaceShading::first_free_unit + 2);
-    std::optional<ObjectShadow> real_shadow;
-    if (reals_cast) {
-        real_shadow.emplace(shaders_, real_casters(), samples, quality_.object_shadow);
-        bake.use();
-        real_shadow->bind_as_real(bake, SurfaceShading::first_free_unit + 3);
-    }
     bind_shading(bake);
     surfaces_.bake_visibility(bake);
     has_visibility_ = true;
+    if (surfaces_.any_spheres()) return;
+    // Vertices keep what they need of it.
+    object_shadow_.reset();
+    real_shadow_.reset();
 }
 
 void ClipLight::add_bounces(RenderGraph& graph, std::vector<PassInput>& inputs) {

@@ -10,6 +10,7 @@
 #include "compositor/scene_objects.h"
 #include "core/warnings.h"
 #include "render/effects/contact_shadow.h"
+#include "render/effects/object_shadow.h"
 #include "render/environment.h"
 #include "render/graph.h"
 #include "render/surface.h"
@@ -65,6 +66,8 @@ private:
     std::unique_ptr<Environment> environment_;
     std::optional<ContactShadow> cast_shadow_;     // as cast; empty where no light bounces
     std::optional<ContactShadow> contact_shadow_;  // with what bounces to the surface
+    // Kept where there are spheres, which look at them in every pixel.
+    std::optional<ObjectShadow> object_shadow_, real_shadow_;
     SurfacePictureMap surface_picture_;
     bool shadow_has_bounce_ = false;  // contact_shadow_ is no longer as cast
     bool has_visibility_ = false;     // baked at the vertices

@@ -14,6 +14,7 @@
 #include "gl/shader_library.h"
 #include "render/effects/depth_of_field.h"
 #include "render/environment.h"
+#include "render/sphere_sets.h"
 #include "scene/model.h"
 #include "scene/scene_file.h"
 
@@ -118,6 +119,9 @@ struct SurfaceShading {
     bool shows_surface = false;  // reflections show the surface's picture: also those of common/near_light.glsl
     bool traces_rays = false;    // reflections meet objects: also those of common/object_light.glsl
     static constexpr GLuint first_free_unit = 8;
+    /// Of the maps that shade spheres, which keep no light at vertices: the uniforms of
+    /// effects/object_shadow/object_shadow.glsl, where `objects_shade` is set; two units.
+    static constexpr GLuint object_shadow_unit = first_free_unit + 2;
 };
 
 /// The geometry of one mesh as it stands in the world.
@@ -140,6 +144,12 @@ public:
 
     /// Uploads the model; returns the object's index. Throws InputError for textures larger than the driver takes.
     std::size_t add_object(const SurfaceObject& object);
+    /// The same of a set of spheres in place of the model, which is null; its placement has one scale, and it is no
+    /// holdout. `set` is only read while adding.
+    std::size_t add_spheres(const SurfaceObject& object, const SphereSet& set);
+    bool any_spheres() const;
+    /// How they are drawn: what is passed over, for reports and tests. Null where there are none.
+    SphereSets* spheres() { return spheres_.get(); }
     void place_object(std::size_t index, const Eigen::Matrix4d& world_from_model);
     const Eigen::Matrix4d& world_from_model(std::size_t index) const;
     std::size_t object_count() const;
@@ -202,6 +212,8 @@ public:
     /// Draws the geometry of shadow casters with the caller's program and state: position at attribute 0, uniform
     /// `world_from_model` set for each object. Blended meshes whose alpha is below a half cast none.
     void draw_shadow_casters(Program& program) const;
+    /// Casts the sets of spheres that cast shadows.
+    void cast_shadow_spheres(const SphereCast& cast) const;
     /// The same of holdouts.
     void draw_real_casters(Program& program) const;
 
@@ -223,13 +235,27 @@ private:
     };
     /// What shaders of light are compiled with.
     static ShaderDefines view_defines(const SurfaceView& view);
-    /// The program for light, with what it reads set.
-    Program& light_program(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading);
-    using PlaceMore = std::function<void(std::size_t)>;
+    /// What draws one kind of picture.
+    struct Programs {
+        Program& meshes;
+        Program* spheres = nullptr;  // null: none are drawn
+    };
+    Programs programs(const std::string& fragment, ShaderDefines defines = {},
+                      const std::function<void(Program&)>& set_up = {}) const;
+    /// The programs for light, with what they read set.
+    Programs light_programs(const Environment& environment, const SurfaceView& view,
+                            const SurfaceShading& shading) const;
+    using PlaceMore = std::function<void(Program&, std::size_t)>;
     /// Sets what a program needs to know of an object; `place_more` what else it needs, by the object's index.
     void place(Program& program, const SurfaceView& view, const Object& object, const PlaceMore& place_more) const;
-    void draw_meshes(Program& program, const SurfaceView& view, Drawn drawn, const PlaceMore& place_more = {}) const;
-    /// What stands for real things, before all that is virtual; `program` as in draw_meshes().
+    void draw_objects(const Programs& programs, const SurfaceView& view, Drawn drawn,
+                      const PlaceMore& place_more = {}) const;
+    /// Finds which spheres the view sees, for draw_seen_spheres(); with `nearer_share` those behind that depth.
+    void see_spheres(const SurfaceView& view, const Texture2D* nearer_share = nullptr);
+    void draw_seen_spheres(Program& program, const SurfaceView& view, const PlaceMore& place_more) const;
+    bool casts_spheres(const Object& object) const;
+    Eigen::AlignedBox3d sphere_bounds_m(const Object& object) const;
+    /// What stands for real things, before all that is virtual; `program` as in draw_objects().
     void draw_real(Program& program, const SurfaceView& view, Drawn drawn, const PlaceMore& place_more) const;
     void draw_holdout_meshes(Program& program, const SurfaceView& view, Drawn drawn, const PlaceMore& place_more) const;
     void draw_real_depth(const SurfaceView& view, Drawn drawn) const;
@@ -244,7 +270,9 @@ private:
     int vertex_count_ = 0;  // of all meshes
     std::unique_ptr<Targets> targets_;
     std::unique_ptr<Targets> holdout_targets_;
-    FullScreenTriangle cells_;  // of the lens' grid
+    FullScreenTriangle triangle_;  // and the cells of the lens' grid
+    std::unique_ptr<SphereSets> spheres_;
+    SeenSpheres seen_spheres_;
 };
 
 }  // namespace matchlight

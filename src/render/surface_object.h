@@ -1,6 +1,7 @@
 // An object of SurfaceRenderer as it lies on the GPU.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -25,15 +26,17 @@ struct SurfaceRenderer::Object {
     SurfaceTextures textures;
     std::vector<SurfaceMaterial> materials;
     std::vector<Mesh> meshes;
+    std::optional<std::size_t> spheres = {};  // a set of them instead
 
+    bool is_spheres() const { return spheres.has_value(); }
     const SurfaceMaterial& material_of(const Mesh& mesh) const { return materials[mesh.material]; }
     bool casts(const Mesh& mesh) const {
         constexpr float solid = 0.5F;
         const SurfaceMaterial& material = material_of(mesh);
         return casts_shadow && (!material.blends() || material.factors.base_color[3] >= solid);
     }
-    Eigen::AlignedBox3d bounds_of(const Mesh& mesh) const {
-        const Eigen::AlignedBox3d& box = mesh.geometry.bounds_m();
+    Eigen::AlignedBox3d bounds_of(const Mesh& mesh) const { return placed(mesh.geometry.bounds_m()); }
+    Eigen::AlignedBox3d placed(const Eigen::AlignedBox3d& box) const {
         Eigen::AlignedBox3d world;
         for (int i = 0; i < 8; ++i) {
             const Eigen::Vector3d corner = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));

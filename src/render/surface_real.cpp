@@ -24,6 +24,7 @@ Eigen::AlignedBox3d SurfaceRenderer::caster_bounds_m(bool real) const {
         for (const Mesh& mesh : object.meshes) {
             if (object.casts(mesh)) box.extend(object.bounds_of(mesh));
         }
+        if (casts_spheres(object)) box.extend(sphere_bounds_m(object));
     }
     return box;
 }
@@ -127,7 +128,7 @@ void SurfaceRenderer::draw_real_depth(const SurfaceView& view, Drawn drawn) cons
     if (drawn == Drawn::hidden_depth) program.bind_texture("nearest_depth_share", nearest_depth_unit, targets_->depth);
     glDisable(GL_CULL_FACE);
     if (is_of_holdouts) glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    cells_.draw_quads(cells.width * cells.height);
+    triangle_.draw_quads(cells.width * cells.height);
     if (is_of_holdouts) glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
@@ -144,7 +145,7 @@ SurfacePicture SurfaceRenderer::draw_holdouts(const SurfaceView& view) {
     const Region region{0, 0, view.width, view.height};
     const Framebuffer& target = samples > 1 ? targets.multisampled : targets.resolved;
     begin_drawing(target, region, 1);
-    draw_meshes(program, view, Drawn::holdouts);
+    draw_objects({program, nullptr}, view, Drawn::holdouts);
     if (samples > 1) target.resolve_color_to(targets.resolved, region);
     return {.width = view.width,
             .height = view.height,

@@ -64,6 +64,28 @@ Region texels_of(const Eigen::AlignedBox2d& part_m, const Eigen::AlignedBox2d& r
     return Region{low.x(), low.y(), high.x() - low.x(), high.y() - low.y()}.grown(1).intersected({0, 0, width, height});
 }
 
+/// Along the light onto the map, as flatten.vert does it; depth ½ is the surface, more lies above it.
+SphereView flattening_view(const Eigen::Vector3d& to_light, double surface_z_m, double highest_m,
+                           const ShadowMap& map) {
+    const Eigen::Vector2d low_m = map.rectangle_m.min(), size_m = map.rectangle_m.sizes();
+    const Eigen::Vector2d lean = to_light.head<2>() / to_light.z();
+    SphereView view{.width = map.loss.width(), .height = map.loss.height(), .is_parallel = true};
+    view.clip_from_world.setIdentity();
+    for (int axis = 0; axis < 2; ++axis) {
+        const double sign = axis == 0 ? 1 : -1;  // row 0 holds the smallest y
+        const double scale = sign * 2 / size_m[axis];
+        view.clip_from_world.row(axis).setZero();
+        view.clip_from_world(axis, axis) = scale;
+        view.clip_from_world(axis, 2) = -scale * lean[axis];
+        view.clip_from_world(axis, 3) = scale * (lean[axis] * surface_z_m - low_m[axis]) - sign;
+    }
+    // Twice as high as anything is: what a sphere's bounds add stays within the clip space.
+    const double per_m = 1 / (4 * std::max(highest_m - surface_z_m, 1e-9));
+    view.clip_from_world(2, 2) = per_m;
+    view.clip_from_world(2, 3) = 0.5 - per_m * surface_z_m;
+    return view;
+}
+
 ShadowMap draw_map(ShaderLibrary& shaders, const ShadowCasters& casters, double surface_z_m,
                    std::span<const ShadowLight> lights, const Eigen::AlignedBox2d& rectangle_m, int resolution) {
     const Eigen::Vector2d size_m = rectangle_m.sizes();
@@ -113,6 +135,12 @@ ShadowMap draw_map(ShaderLibrary& shaders, const ShadowCasters& casters, double 
             glColorMask(channel == 0, channel == 1, channel == 2, channel == 3);
             flatten.set("direction_to_light", Eigen::Vector3f(batch[channel].direction.cast<float>()));
             casters.draw(flatten);
+            if (!casters.cast_spheres) continue;
+            casters.cast_spheres(
+                {.view = flattening_view(batch[channel].direction, surface_z_m, casters.bounds_m.max().z(), map),
+                 .fragment = "effects/contact_shadow/flatten.frag",
+                 .set_up = {}});
+            flatten.use();
         }
         glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
         glDisable(GL_CLIP_DISTANCE0);

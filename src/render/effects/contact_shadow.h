@@ -18,6 +18,7 @@
 #include "gl/program.h"
 #include "gl/shader_library.h"
 #include "lighting/probe.h"
+#include "render/sphere_sets.h"
 
 namespace matchlight {
 
@@ -37,6 +38,7 @@ struct ContactShadowSettings {
 struct ShadowCasters {
     Eigen::AlignedBox3d bounds_m;
     std::function<void(Program&)> draw;
+    std::function<void(const SphereCast&)> cast_spheres = {};  // the spheres among them; empty where there are none
 };
 
 /// What the casters take away of the surface's light (RGB share) and return of it (alpha), over a rectangle of the

@@ -70,10 +70,30 @@ ObjectShadow::ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters,
         program.set("axis_u", Eigen::Vector3f(axis_u.cast<float>()));
         program.set("axis_v", Eigen::Vector3f(axis_v.cast<float>()));
         if (radius_m_ > 0) casters.draw(program);
+        if (radius_m_ > 0 && casters.cast_spheres) {
+            casters.cast_spheres(
+                {.view = map_view(to_light, axis_u, axis_v), .fragment = "spheres/depth.frag", .set_up = {}});
+            program.use();
+        }
         lights.push_back({four(to_light), four(samples[i].radiance_times_solid_angle), four(axis_u), four(axis_v)});
     }
     glDisable(GL_DEPTH_TEST);
     lights_ = Buffer(std::span<const DirectionOfLight>(lights));
+}
+
+/// As depth.vert has it.
+SphereView ObjectShadow::map_view(const Eigen::Vector3d& to_light, const Eigen::Vector3d& axis_u,
+                                  const Eigen::Vector3d& axis_v) const {
+    SphereView view{.width = resolution_, .height = resolution_, .is_parallel = true};
+    view.clip_from_world.setIdentity();
+    const auto set_row = [&](int row, const Eigen::Vector3d& axis, double offset) {
+        view.clip_from_world.row(row).head<3>() = axis.transpose() / radius_m_;
+        view.clip_from_world(row, 3) = offset - axis.dot(centre_m_) / radius_m_;
+    };
+    set_row(0, axis_u, 0);
+    set_row(1, -axis_v, 0);
+    set_row(2, to_light / 2, 0.5);
+    return view;
 }
 
 void ObjectShadow::bind(Program& program, GLuint unit) const {

@@ -1,0 +1,28 @@
+// Where a pixel's ray meets the sphere that spheres/sphere.vert placed there.
+#include "spheres/ray.glsl"
+
+flat in vec4 seen_sphere;
+flat in float power;
+flat in uint sphere_id;
+
+#ifdef PARALLEL
+uniform vec3 depth_from_model;  // of clip space
+
+// The depth, larger is nearer, or less than 0 where the ray passes by.
+float meet_depth() {
+    vec2 aside = picture_ndc() - seen_sphere.xy;
+    vec3 from_centre = ray_from_ndc[0] * aside.x + ray_from_ndc[1] * aside.y;
+    float left2 = seen_sphere.w * seen_sphere.w - dot(from_centre, from_centre);
+    if (!(left2 >= 0.0)) return -1.0;
+    float half_chord = sqrt(left2);
+    float depth = seen_sphere.z + dot(depth_from_model, from_centre) - dot(depth_from_model, ray_from_ndc[2]) * half_chord;
+    return depth;
+}
+#else
+// The same, as the depth buffer has it.
+float meet_depth() {
+    vec3 direction = ray_direction(picture_ndc());
+    float z_m = nearest_on_sphere(seen_sphere, power, direction);
+    return z_m < 0.0 ? -1.0 : near_plane_m / z_m;
+}
+#endif

@@ -1,0 +1,33 @@
+// The ray of a pixel, in the axes of a set of spheres, and where it meets one.
+uniform mat3 ray_from_ndc;  // × (ndc, 1): the direction, one metre along the picture's z; PARALLEL: the vectors square to
+                            // the rays that make a step of ndc, and the rays' direction, of unit length
+uniform vec2 picture_px;
+uniform float near_plane_m;
+
+vec2 ndc_of(vec2 pixel) { return vec2(2.0, -2.0) * pixel / picture_px + vec2(-1.0, 1.0); }
+vec2 picture_ndc() { return ndc_of(gl_FragCoord.xy); }
+vec3 ray_direction(vec2 ndc) { return ray_from_ndc * vec3(ndc, 1.0); }
+
+// The nearest place at or beyond the near plane, in multiples of the direction, −1: none. `power` is that of the eye in
+// the sphere. (Haines, Günther & Akenine-Möller 2019, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
+// Gems, ch. 7: from the foot of the centre on the ray, and the nearer root by the product of both.)
+float nearest_on_sphere(vec4 from_centre_radius, float power, vec3 direction) {
+    vec3 from_centre = from_centre_radius.xyz;
+    float radius = from_centre_radius.w;
+    float a = dot(direction, direction);
+    float b = dot(from_centre, direction);
+    vec3 foot = from_centre - (b / a) * direction;
+    float left = (radius - length(foot)) * (radius + length(foot));
+    if (!(left >= 0.0)) return -1.0;
+    float root = sqrt(a * left);
+    float nearer, farther;
+    if (b < 0.0) {
+        nearer = power / (root - b);
+        farther = (root - b) / a;
+    } else {
+        nearer = -(root + b) / a;
+        farther = -power / (root + b);
+    }
+    float met = nearer >= near_plane_m ? nearer : farther;
+    return met >= near_plane_m ? met : -1.0;
+}

@@ -1,0 +1,70 @@
+// What a pixel sees of a set of spheres: in place of what a mesh's vertices tell.
+#include "spheres/ray.glsl"
+
+uniform usampler2D seen_spheres;   // which sphere (spheres/visible.frag)
+uniform sampler2D seen_depth;      // near_m / z
+uniform samplerBuffer spheres;     // centre, radius
+uniform samplerBuffer sphere_colors;  // sRGB-coded
+uniform bool has_sphere_colors;
+uniform uint first_id, end_id;     // of the set
+uniform vec3 eye_high, eye_low;    // in the set's axes
+uniform mat4 world_from_model;
+
+vec3 model_position, world_position, world_normal;
+const vec4 world_tangent = vec4(0.0);
+const vec2 material_uv = vec2(0.0);
+vec4 vertex_color;
+float fragment_depth;      // as the depth buffer has it
+const bool front_facing = true;
+
+vec4 sphere_from_eye;      // the eye less the centre, radius
+bool sees_inside;          // the farther side of it
+
+// The normal where the ray of a direction meets the sphere, or at its rim where it passes by.
+vec3 sphere_normal(vec3 direction) {
+    float a = dot(direction, direction);
+    vec3 foot = sphere_from_eye.xyz - (dot(sphere_from_eye.xyz, direction) / a) * direction;
+    float left = max((sphere_from_eye.w - length(foot)) * (sphere_from_eye.w + length(foot)), 0.0);
+    vec3 half_chord = sqrt(left / a) * direction;
+    // On the side of the eye.
+    return normalize(mat3(world_from_model) * (sees_inside ? -foot - half_chord : foot - half_chord));
+}
+
+float linear_from_srgb(float code) { return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4); }
+
+// False where the pixel sees nothing of this set.
+bool see() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    uint id = texelFetch(seen_spheres, pixel, 0).r;
+    if (id < first_id || id >= end_id) return false;
+    int number = int(id - first_id);
+    fragment_depth = texelFetch(seen_depth, pixel, 0).r;
+    vec4 sphere = texelFetch(spheres, number);
+    sphere_from_eye = vec4((eye_high - sphere.xyz) + eye_low, sphere.w);
+    vec3 direction = ray_direction(picture_ndc());
+    float z_m = near_plane_m / fragment_depth;
+    sees_inside = z_m * dot(direction, direction) > -dot(sphere_from_eye.xyz, direction);
+    model_position = eye_high + (eye_low + z_m * direction);
+    world_position = (world_from_model * vec4(model_position, 1.0)).xyz;
+    world_normal = sphere_normal(direction);
+    vertex_color = vec4(1.0);
+    if (has_sphere_colors) {
+        vec3 code = texelFetch(sphere_colors, number).rgb;
+        vertex_color.rgb = vec3(linear_from_srgb(code.r), linear_from_srgb(code.g), linear_from_srgb(code.b));
+    }
+    gl_FragDepth = fragment_depth;
+    return true;
+}
+
+float inverse_z() { return fragment_depth / near_plane_m; }
+
+// How a mirror image moves with a pixel to the right and one down, on this sphere.
+void reflected_steps(vec3 reflected, out vec3 dx, out vec3 dy) {
+    for (int axis = 0; axis < 2; ++axis) {
+        vec2 pixel = gl_FragCoord.xy + (axis == 0 ? vec2(1.0, 0.0) : vec2(0.0, 1.0));
+        vec3 direction = ray_direction(ndc_of(pixel));
+        vec3 step = reflect(normalize(mat3(world_from_model) * direction), sphere_normal(direction)) - reflected;
+        if (axis == 0) dx = step;
+        else dy = step;
+    }
+}

@@ -1,0 +1,171 @@
+// Lists of indirect draws, a pyramid of depths, and rounds that grow.
+#include "render/sphere_culling.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace matchlight {
+
+namespace {
+
+/// Shares of the cells that are drawn by the end of each round. The first rounds are small, for they hide most of the
+/// rest.
+constexpr std::array<double, 5> round_ends{1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1};
+/// With fewer spheres the tests cost more than what they save.
+constexpr std::uint32_t fewest_to_cull = 100'000;
+
+constexpr GLuint sphere_unit = 0;
+
+int groups_of(int size, int group) {
+    return (size + group - 1) / group;
+}
+
+}  // namespace
+
+void DepthPyramid::build(ShaderLibrary& shaders, const Texture2D& depth, int width, int height) {
+    width_ = (width + 1) / 2;
+    height_ = (height + 1) / 2;
+    const auto power = [](int size) { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(size))); };
+    if (!levels_ || levels_.width() < width_ || levels_.height() < height_) {
+        levels_ = Texture2D({.format = GL_R32F, .width = power(width_), .height = power(height_), .levels = 0});
+    }
+    Program& program = shaders.compute("spheres/pyramid.comp");
+    program.use();
+    used_levels_ = 0;
+    int finer_width = width, finer_height = height;
+    while (used_levels_ == 0 || finer_width > 1 || finer_height > 1) {
+        program.bind_texture("finer", sphere_unit, used_levels_ == 0 ? depth : levels_);
+        program.set("finer_size", Eigen::Vector2i(finer_width, finer_height));
+        program.set("finer_level", std::max(used_levels_ - 1, 0));
+        levels_.bind_image(0, GL_WRITE_ONLY, used_levels_);
+        finer_width = (finer_width + 1) / 2;
+        finer_height = (finer_height + 1) / 2;
+        constexpr int group = 8;
+        glDispatchCompute(static_cast<GLuint>(groups_of(finer_width, group)),
+                          static_cast<GLuint>(groups_of(finer_height, group)), 1);
+        glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+        ++used_levels_;
+    }
+}
+
+void DepthPyramid::bind(Program& program, GLuint unit) const {
+    program.bind_texture("farthest_depth", unit, levels_);
+    program.set("levels", used_levels_);
+    program.set("level_0_size", Eigen::Vector2i(width_, height_));
+}
+
+void SphereCulling::List::clear() {
+    commands.clear();
+    boxes.clear();
+}
+
+void SphereCulling::List::add(const SphereCell& cell) {
+    constexpr std::uint32_t corners = 6;
+    commands.push_back(is_points ? Command{.count = cell.count, .first = cell.first}
+                                 : Command{.count = cell.count * corners, .first = cell.first * corners});
+    boxes.push_back({cell.low_m[0], cell.low_m[1], cell.low_m[2], 0});
+    boxes.push_back({cell.high_m[0], cell.high_m[1], cell.high_m[2], 0});
+}
+
+void SphereCulling::List::upload() {
+    if (commands.empty()) return;
+    if (commands.size() > capacity) {
+        capacity = commands.size() + commands.size() / 2;
+        draws = Buffer(capacity * sizeof(Command));
+        bounds = Buffer(capacity * 2 * sizeof(Float4));
+    }
+    draws.upload(std::span<const Command>(commands));
+    bounds.upload(std::span<const Float4>(boxes));
+}
+
+void SphereCulling::draw(const Drawn& drawn, const SphereVisibility& visibility) {
+    points_.clear();
+    triangles_.clear();
+    struct Sorted {
+        const SphereCell* cell;
+        double depth;
+    };
+    std::vector<Sorted> sorted;
+    sorted.reserve(drawn.geometry.cells().size());
+    for (const SphereCell& cell : drawn.geometry.cells()) {
+        if (visibility.frustum && drawn.rays.place(cell) == SphereRays::Place::outside) continue;
+        sorted.push_back({&cell, drawn.rays.nearest_depth(cell)});
+    }
+    std::ranges::stable_sort(sorted, std::greater<>(), &Sorted::depth);
+    const bool culls = visibility.occlusion && drawn.depth != nullptr && drawn.geometry.size() >= fewest_to_cull;
+    // Of equal depths the first stays: with or without tests the order is the same.
+    struct Round {
+        std::size_t points_end = 0, triangles_end = 0;
+    };
+    std::vector<Round> rounds;
+    std::size_t done = 0;
+    for (const double share : round_ends) {
+        const auto end = static_cast<std::size_t>(std::llround(share * static_cast<double>(sorted.size())));
+        for (; done < end; ++done) {
+            const SphereCell& cell = *sorted[done].cell;
+            if (drawn.rays.place(cell) == SphereRays::Place::small)
+                points_.add(cell);
+            else
+                triangles_.add(cell);
+        }
+        rounds.push_back({points_.commands.size(), triangles_.commands.size()});
+    }
+    points_.upload();
+    triangles_.upload();
+    Round begin;
+    for (const Round& round : rounds) {
+        if (culls && &round != rounds.data()) {
+            pyramid_.build(shaders_, *drawn.depth, drawn.width, drawn.height);
+            cull_round(drawn, points_, begin.points_end, round.points_end);
+            cull_round(drawn, triangles_, begin.triangles_end, round.triangles_end);
+            glMemoryBarrier(GL_COMMAND_BARRIER_BIT);
+        }
+        draw_round(drawn, points_, begin.points_end, round.points_end);
+        draw_round(drawn, triangles_, begin.triangles_end, round.triangles_end);
+        begin = round;
+    }
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+    glDisable(GL_PROGRAM_POINT_SIZE);
+}
+
+void SphereCulling::draw_round(const Drawn& drawn, const List& list, std::size_t first, std::size_t end) const {
+    if (first == end) return;
+    Program& program = list.is_points ? drawn.points : drawn.triangles;
+    program.use();
+    drawn.geometry.bind(program, sphere_unit);
+    list.is_points ? drawn.geometry.bind_points() : drawn.geometry.bind_triangles();
+    glEnable(GL_PROGRAM_POINT_SIZE);
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, list.draws.name());
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): OpenGL's own way of passing an offset
+    glMultiDrawArraysIndirect(list.is_points ? GL_POINTS : GL_TRIANGLES,
+                              reinterpret_cast<const void*>(first * sizeof(Command)), static_cast<GLsizei>(end - first),
+                              sizeof(Command));
+}
+
+void SphereCulling::cull_round(const Drawn& drawn, const List& list, std::size_t first, std::size_t end) {
+    if (first == end) return;
+    Program& cull = shaders_.compute("spheres/cull.comp");
+    cull.use();
+    drawn.rays.set(cull);
+    pyramid_.bind(cull, sphere_unit);
+    cull.set("first_draw", static_cast<int>(first));
+    cull.set("draw_count", static_cast<int>(end - first));
+    list.draws.bind(GL_SHADER_STORAGE_BUFFER, 0);
+    list.bounds.bind(GL_SHADER_STORAGE_BUFFER, 1);
+    constexpr int group = 64;
+    glDispatchCompute(static_cast<GLuint>(groups_of(static_cast<int>(end - first), group)), 1, 1);
+}
+
+std::size_t SphereCulling::List::left() const {
+    if (commands.empty()) return 0;
+    std::vector<Command> after(commands);
+    draws.read(std::span<Command>(after));
+    return static_cast<std::size_t>(std::ranges::count_if(after, [](const Command& one) { return one.count > 0; }));
+}
+
+std::size_t SphereCulling::cells_drawn() const {
+    return points_.left() + triangles_.left();
+}
+
+}  // namespace matchlight

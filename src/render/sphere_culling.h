@@ -1,0 +1,81 @@
+// Which cells of spheres are drawn, in what order, and which are passed over because they lie behind what was drawn.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "gl/framebuffer.h"
+#include "gl/shader_library.h"
+#include "render/sphere_geometry.h"
+#include "render/sphere_view.h"
+
+namespace matchlight {
+
+struct SphereVisibility {
+    bool frustum = true;    // what is outside of the picture is passed over
+    bool occlusion = true;  // what is behind what was drawn before is passed over
+};
+
+/// The farthest depths of a picture, level by level: each holds the farthest of 2 × 2 texels of the one before.
+class DepthPyramid {
+public:
+    /// Of the top-left width × height pixels; GPU work only.
+    void build(ShaderLibrary& shaders, const Texture2D& depth, int width, int height);
+    /// The uniforms of shaders/spheres/cull.comp.
+    void bind(Program& program, GLuint unit) const;
+    const Texture2D& texture() const { return levels_; }
+
+private:
+    Texture2D levels_;
+    int width_ = 0, height_ = 0;  // of the first level's part that is used
+    int used_levels_ = 0;
+};
+
+/// Draws sets of spheres into whatever is bound, the nearest cells first, in rounds: before each but the first, cells
+/// that lie behind what is there are taken out of the list on the GPU, without the CPU waiting to know which. Not a
+/// pixel depends on it: what is passed over would have failed the depth test.
+class SphereCulling {
+public:
+    explicit SphereCulling(ShaderLibrary& shaders) : shaders_(shaders) {}
+
+    struct Drawn {
+        const SphereGeometry& geometry;
+        const SphereRays& rays;
+        Program& points;                   // spheres/sphere.vert
+        Program& triangles;                // the same with TRIANGLES
+        const Texture2D* depth = nullptr;  // what is drawn into, for tests of occlusion; null: none are made
+        int width = 0, height = 0;         // of its part that is used
+    };
+    void draw(const Drawn& drawn, const SphereVisibility& visibility);
+
+    const DepthPyramid& pyramid() const { return pyramid_; }
+    /// Cells that the last draw did not pass over: waits for the GPU. For reports and tests.
+    std::size_t cells_drawn() const;
+
+private:
+    struct Command {
+        std::uint32_t count = 0, instances = 1, first = 0, base_instance = 0;
+    };
+    using Float4 = std::array<float, 4>;
+    struct List {
+        std::vector<Command> commands;
+        std::vector<Float4> boxes;
+        Buffer draws, bounds;
+        std::size_t capacity = 0;
+        bool is_points = true;
+
+        void clear();
+        void add(const SphereCell& cell);
+        void upload();
+        std::size_t left() const;  // that were not taken out
+    };
+    void draw_round(const Drawn& drawn, const List& list, std::size_t first, std::size_t end) const;
+    void cull_round(const Drawn& drawn, const List& list, std::size_t first, std::size_t end);
+
+    ShaderLibrary& shaders_;
+    DepthPyramid pyramid_;
+    List points_, triangles_{.commands = {}, .boxes = {}, .draws = {}, .bounds = {}, .is_points = false};
+};
+
+}  // namespace matchlight

@@ -1,0 +1,67 @@
+// Uploads a set piece by piece, so that no second copy of it is held.
+#include "render/sphere_geometry.h"
+
+#include <algorithm>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace matchlight {
+
+namespace {
+
+/// Many enough for a draw, few enough for a test to be worth it.
+constexpr std::size_t most_in_cell = 2048;
+
+/// Copies `values` in another order.
+template <class Value>
+Buffer in_order(std::span<const Value> values, std::span<const std::uint32_t> order) {
+    Buffer buffer(order.size() * sizeof(Value));
+    constexpr std::size_t piece = 1 << 18;
+    std::vector<Value> sorted;
+    for (std::size_t first = 0; first < order.size(); first += piece) {
+        sorted.clear();
+        for (const std::uint32_t i : order.subspan(first, std::min(piece, order.size() - first))) {
+            sorted.push_back(values[i]);
+        }
+        buffer.upload(std::span<const Value>(sorted), first * sizeof(Value));
+    }
+    return buffer;
+}
+
+}  // namespace
+
+SphereGeometry::SphereGeometry(const SphereSet& set)
+    : size_(static_cast<std::uint32_t>(set.size())), bounds_m_(set.bounds_m) {
+    GLint most = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+    if (set.size() > static_cast<std::size_t>(most)) {
+        throw InputError(set.name,
+                         fmt::format("{} spheres are more than the {} that this driver holds", set.size(), most),
+                         "split the set into several objects");
+    }
+    if (set.spheres.empty()) return;
+    SphereCells sorted = sphere_cells(set, most_in_cell);
+    cells_ = std::move(sorted.cells);
+    spheres_ = in_order(std::span<const Sphere>(set.spheres), sorted.order);
+    sphere_texels_ = BufferTexture(spheres_, GL_RGBA32F);
+    const VertexArray::Attribute centre_radius{.location = 0, .components = 4, .byte_offset = 0};
+    points_.set_vertex_buffer(0, spheres_, sizeof(Sphere), std::span(&centre_radius, 1));
+    has_colors_ = !set.colors.empty();
+    if (has_colors_) {
+        colors_ = in_order(std::span<const std::array<std::uint8_t, 4>>(set.colors), sorted.order);
+        color_texels_ = BufferTexture(colors_, GL_RGBA8);
+    }
+}
+
+void SphereGeometry::bind(Program& program, GLuint first_unit) const {
+    sphere_texels_.bind(first_unit);
+    program.set("spheres", static_cast<int>(first_unit));
+    (has_colors_ ? color_texels_ : sphere_texels_).bind(first_unit + 1);
+    program.set("sphere_colors", static_cast<int>(first_unit + 1));
+    program.set("has_sphere_colors", has_colors_);
+}
+
+}  // namespace matchlight

@@ -1,0 +1,40 @@
+// A set of spheres as it lies on the GPU, in the order of its cells.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gl/objects.h"
+#include "gl/program.h"
+#include "scene/sphere_cells.h"
+#include "scene/sphere_set.h"
+
+namespace matchlight {
+
+class SphereGeometry {
+public:
+    /// `set` is only read while adding. Throws InputError when the driver cannot hold as many.
+    explicit SphereGeometry(const SphereSet& set);
+
+    std::uint32_t size() const { return size_; }
+    const std::vector<SphereCell>& cells() const { return cells_; }
+    const Eigen::AlignedBox3d& bounds_m() const { return bounds_m_; }
+
+    /// Vertex attribute 0 is a sphere: for points.
+    void bind_points() const { points_.bind(); }
+    /// Without attributes: for triangles, whose shader fetches spheres.
+    void bind_triangles() const { triangles_.bind(); }
+    /// `spheres` and, where spheres have colours of their own, `sphere_colors`: samplerBuffers at two units.
+    void bind(Program& program, GLuint first_unit) const;
+
+private:
+    std::uint32_t size_;
+    std::vector<SphereCell> cells_;
+    Eigen::AlignedBox3d bounds_m_;
+    Buffer spheres_, colors_;
+    BufferTexture sphere_texels_, color_texels_;
+    VertexArray points_, triangles_;
+    bool has_colors_ = false;
+};
+
+}  // namespace matchlight

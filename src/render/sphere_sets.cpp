@@ -1,0 +1,106 @@
+// One picture of numbers and depths for all sets.
+#include "render/sphere_sets.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace matchlight {
+
+namespace {
+
+/// After the units of the geometry.
+constexpr GLuint nearer_unit = 2;
+
+void set_depth_state() {
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
+    glDisable(GL_CULL_FACE);
+}
+
+}  // namespace
+
+std::size_t SphereSets::add(const SphereSet& set) {
+    if (set.size() > std::numeric_limits<std::uint32_t>::max() - next_id_) {
+        throw InputError(set.name, fmt::format("{} spheres are more than can be numbered beside {} others", set.size(),
+                                               next_id_ - 1));
+    }
+    sets_.push_back({std::make_unique<SphereGeometry>(set), next_id_});
+    next_id_ += static_cast<std::uint32_t>(set.size());
+    return sets_.size() - 1;
+}
+
+void SphereSets::Targets::fit(int width, int height) {
+    if (id && id.width() >= width && id.height() >= height) return;
+    constexpr int step = 64;
+    const auto rounded = [](int size, int before) { return std::max((size + step - 1) / step * step, before); };
+    TextureShape shape{.format = GL_R32UI,
+                       .width = rounded(width, id ? id.width() : 0),
+                       .height = rounded(height, id ? id.height() : 0)};
+    id = Texture2D(shape);
+    shape.format = GL_DEPTH_COMPONENT32F;
+    depth = Texture2D(shape);
+    target = Framebuffer({id}, depth);
+}
+
+SeenSpheres SphereSets::see(std::span<const PlacedSpheres> placed, int width, int height,
+                            const Texture2D* nearer_share) {
+    Targets& targets = nearer_share != nullptr ? behind_ : nearest_;
+    targets.fit(width, height);
+    const Region region{0, 0, width, height};
+    targets.target.bind(region);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(0, 0, width, height);
+    targets.target.clear_color_integer(0, 0);
+    targets.target.clear_depth();
+    glDisable(GL_SCISSOR_TEST);
+    set_depth_state();
+    ShaderDefines defines;
+    if (nearer_share != nullptr) defines["BEHIND"] = "1";
+    const std::vector<ShaderStage> stages{{GL_VERTEX_SHADER, "spheres/sphere.vert"},
+                                          {GL_FRAGMENT_SHADER, "spheres/visible.frag"}};
+    Program& points = shaders_.program(stages, defines);
+    defines["TRIANGLES"] = "1";
+    Program& triangles = shaders_.program(stages, defines);
+    for (const PlacedSpheres& one : placed) {
+        const SphereRays rays({.clip_from_world = one.clip_from_world, .width = width, .height = height},
+                              one.world_from_model);
+        for (Program* program : {&points, &triangles}) {
+            program->use();
+            rays.set(*program);
+            program->set("first_id", first_id(one.set));
+            if (nearer_share != nullptr) program->bind_texture("nearest_depth_share", nearer_unit, *nearer_share);
+        }
+        culling_.draw({.geometry = geometry(one.set),
+                       .rays = rays,
+                       .points = points,
+                       .triangles = triangles,
+                       .depth = &targets.depth,
+                       .width = width,
+                       .height = height},
+                      visibility);
+    }
+    glDisable(GL_DEPTH_TEST);
+    return {&targets.id, &targets.depth};
+}
+
+void SphereSets::cast(std::size_t set, const Eigen::Matrix4d& world_from_model, const SphereCast& cast) {
+    const SphereRays rays(cast.view, world_from_model);
+    const std::vector<ShaderStage> stages{{GL_VERTEX_SHADER, "spheres/sphere.vert"},
+                                          {GL_FRAGMENT_SHADER, cast.fragment}};
+    Program& points = shaders_.program(stages, {{"SPHERES", "1"}, {"PARALLEL", "1"}});
+    Program& triangles = shaders_.program(stages, {{"SPHERES", "1"}, {"PARALLEL", "1"}, {"TRIANGLES", "1"}});
+    for (Program* program : {&points, &triangles}) {
+        program->use();
+        rays.set(*program);
+        if (cast.set_up) cast.set_up(*program);
+    }
+    culling_.draw({.geometry = geometry(set), .rays = rays, .points = points, .triangles = triangles}, visibility);
+}
+
+}  // namespace matchlight

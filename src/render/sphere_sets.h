@@ -1,0 +1,82 @@
+// The sets of spheres of a scene, and which of all their spheres each pixel sees.
+//
+// Spheres are ray-cast where their bounds are drawn, so that silhouettes and depths are those of spheres in perspective
+// (Sigg, Weyrich, Botsch & Gross 2006, "GPU-Based Ray-Casting of Quadratic Surfaces"; Gumhold 2003, "Splatting
+// Illuminated Ellipsoids with Depth Correction"). First only which sphere is nearest is found; it is lit once a pixel,
+// afterwards. The double-precision reference is report/sphere_reference.h.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gl/framebuffer.h"
+#include "gl/shader_library.h"
+#include "render/sphere_culling.h"
+#include "render/sphere_geometry.h"
+#include "render/sphere_view.h"
+
+namespace matchlight {
+
+/// A set as one picture sees it.
+struct PlacedSpheres {
+    std::size_t set = 0;
+    Eigen::Matrix4d world_from_model = Eigen::Matrix4d::Identity();
+    Eigen::Matrix4d clip_from_world = Eigen::Matrix4d::Identity();  // a perspective
+};
+
+/// Textures whose top-left part is the picture; they hold until the next one of the same kind.
+struct SeenSpheres {
+    const Texture2D* id = nullptr;           // SphereSets::first_id() + the sphere's number, 0 where none is; R32UI
+    const Texture2D* depth_share = nullptr;  // near_m / z
+};
+
+/// Parallel projections into whatever is bound, with the state that is set.
+struct SphereCast {
+    SphereView view;                       // parallel
+    std::string fragment;                  // a shader that includes spheres/meet.glsl
+    std::function<void(Program&)> set_up;  // its other uniforms; may be empty
+};
+
+class SphereSets {
+public:
+    explicit SphereSets(ShaderLibrary& shaders) : shaders_(shaders), culling_(shaders) {}
+
+    /// Returns its index. Throws InputError when there are more spheres than the driver or 32 bits can hold.
+    std::size_t add(const SphereSet& set);
+    const SphereGeometry& geometry(std::size_t set) const { return *sets_.at(set).geometry; }
+    /// Of its first sphere, in the order of its cells; never 0.
+    std::uint32_t first_id(std::size_t set) const { return sets_.at(set).first_id; }
+
+    /// The nearest sphere of each pixel; with `nearer_share` the nearest one behind that depth.
+    SeenSpheres see(std::span<const PlacedSpheres> placed, int width, int height,
+                    const Texture2D* nearer_share = nullptr);
+    /// Draws a set along parallel rays.
+    void cast(std::size_t set, const Eigen::Matrix4d& world_from_model, const SphereCast& cast);
+
+    SphereVisibility visibility;  // for what is drawn from now on
+    const SphereCulling& culling() const { return culling_; }
+
+private:
+    struct Set {
+        std::unique_ptr<SphereGeometry> geometry;
+        std::uint32_t first_id = 1;
+    };
+    struct Targets {
+        Texture2D id, depth;
+        Framebuffer target;
+
+        void fit(int width, int height);
+    };
+
+    ShaderLibrary& shaders_;
+    std::vector<Set> sets_;
+    std::uint32_t next_id_ = 1;
+    Targets nearest_, behind_;
+    SphereCulling culling_;
+};
+
+}  // namespace matchlight

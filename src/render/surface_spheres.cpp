@@ -1,0 +1,100 @@
+// Sets of spheres among the objects: seen first, then lit once a pixel by the shaders that light meshes.
+#include <algorithm>
+#include <cassert>
+#include <vector>
+
+#include "render/surface_object.h"
+
+namespace matchlight {
+
+namespace {
+
+/// Of shaders/spheres/seen.glsl: after those of rays.
+constexpr GLuint seen_unit = 25, geometry_unit = 27;
+
+/// One material for all; what spheres have of their own multiplies it.
+Model material_model(const SphereSet& set) {
+    Model model;
+    model.name = set.name;
+    ModelMaterial& material = model.materials.emplace_back();
+    if (set.colors.empty()) material.base_color = {set.color[0], set.color[1], set.color[2], 1};
+    return model;
+}
+
+}  // namespace
+
+std::size_t SurfaceRenderer::add_spheres(const SurfaceObject& object, const SphereSet& set) {
+    assert(!object.model && !object.is_holdout);
+    if (!spheres_) spheres_ = std::make_unique<SphereSets>(shaders_);
+    const Model model = material_model(set);
+    SurfaceObject without_mesh = object;
+    without_mesh.model = &model;
+    const std::size_t index = add_object(without_mesh);
+    if (!set.spheres.empty()) objects_[index].spheres = spheres_->add(set);
+    return index;
+}
+
+bool SurfaceRenderer::any_spheres() const {
+    return std::ranges::any_of(objects_, &Object::is_spheres);
+}
+
+bool SurfaceRenderer::casts_spheres(const Object& object) const {
+    return object.is_spheres() && object.casts_shadow;
+}
+
+Eigen::AlignedBox3d SurfaceRenderer::sphere_bounds_m(const Object& object) const {
+    return object.placed(spheres_->geometry(*object.spheres).bounds_m());
+}
+
+void SurfaceRenderer::see_spheres(const SurfaceView& view, const Texture2D* nearer_share) {
+    if (!any_spheres()) return;
+    std::vector<PlacedSpheres> placed;
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+        const Object& object = objects_[i];
+        if (!object.is_spheres()) continue;
+        const auto apart = std::ranges::find(view.apart, i, &ObjectView::object);
+        placed.push_back({*object.spheres, object.world_from_model,
+                          apart != view.apart.end() ? apart->clip_from_world : view.clip_from_world});
+    }
+    seen_spheres_ = spheres_->see(placed, view.width, view.height, nearer_share);
+}
+
+void SurfaceRenderer::draw_seen_spheres(Program& program, const SurfaceView& view, const PlaceMore& place_more) const {
+    program.use();
+    program.bind_texture("seen_spheres", seen_unit, *seen_spheres_.id);
+    program.bind_texture("seen_depth", seen_unit + 1, *seen_spheres_.depth_share);
+    glDisable(GL_CULL_FACE);
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+        const Object& object = objects_[i];
+        if (!object.is_spheres()) continue;
+        place(program, view, object, place_more);
+        const auto apart = std::ranges::find(view.apart, i, &ObjectView::object);
+        SphereRays({.clip_from_world = apart != view.apart.end() ? apart->clip_from_world : view.clip_from_world,
+                    .width = view.width,
+                    .height = view.height},
+                   object.world_from_model)
+            .set(program);
+        const SphereGeometry& geometry = spheres_->geometry(*object.spheres);
+        geometry.bind(program, geometry_unit);
+        const std::uint32_t first_id = spheres_->first_id(*object.spheres);
+        program.set("first_id", first_id);
+        program.set("end_id", first_id + geometry.size());
+        object.materials.front().bind(program);
+        program.set("material_index", 0.0);
+        triangle_.draw();
+    }
+}
+
+void SurfaceRenderer::cast_shadow_spheres(const SphereCast& cast) const {
+    for (const Object& object : objects_) {
+        if (!casts_spheres(object)) continue;
+        SphereCast of_object = cast;
+        of_object.set_up = [&](Program& program) {
+            if (cast.set_up) cast.set_up(program);
+            program.set("caster_reflectance", object.materials.front().reflectance());
+        };
+        spheres_->cast(*object.spheres, object.world_from_model, of_object);
+    }
+}
+
+}  // namespace matchlight
