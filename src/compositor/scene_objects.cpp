@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "render/surface_mesh.h"
 #include "scene/model.h"
+#include "scene/sphere_file.h"
 #include "scene/subdivide.h"
 
 namespace matchlight {
@@ -63,26 +64,44 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
     for (const ObjectSettings& object : scene.objects) {
         if (moves(object)) moving_.push_back(objects_.size());
         objects_.push_back({object, world_from_parent(object, solve, scene.path)});
+        SurfaceObject added{.model = nullptr,
+                            .world_from_model = world_from_model(objects_.size() - 1, time),
+                            .material = object.material,
+                            .reflection = object.reflection,
+                            .id = ++id,
+                            .casts_shadow = object.casts_shadow,
+                            .is_holdout = object.holdout};
+        Model model;  // of spheres: without a mesh
         if (!object.spheres.empty()) {
-            throw InputError(scene.path, fmt::format("object '{}' is a set of spheres, which this version reads and "
-                                                     "does not draw",
-                                                     object.name));
+            add_spheres(added, object, scene.path, warnings);
+        } else {
+            model = object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
+            if (!object.material.texture.empty()) set_base_color_texture(model, object.material.texture);
+            if (preparation.fine_meshes) shorten_edges(model, object.holdout);
+            if (object.holdout) add_back_sides(model);
+            added.model = &model;
+            surfaces.add_object(added);
         }
-        Model model = object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
-        if (!object.material.texture.empty()) set_base_color_texture(model, object.material.texture);
-        if (preparation.fine_meshes) shorten_edges(model, object.holdout);
-        if (object.holdout) add_back_sides(model);
-        surfaces.add_object({.model = &model,
-                             .world_from_model = world_from_model(objects_.size() - 1, time),
-                             .material = object.material,
-                             .reflection = object.reflection,
-                             .id = ++id,
-                             .casts_shadow = object.casts_shadow,
-                             .is_holdout = object.holdout});
         if (rays_) rays_->add_object(model, object.material, object.holdout);
     }
     if (rays_) rays_->finish();
     place(time);
+}
+
+void SceneObjects::add_spheres(const SurfaceObject& added, const ObjectSettings& object,
+                               const std::filesystem::path& scene, Warnings& warnings) {
+    if (object.holdout) {
+        throw InputError(
+            scene, fmt::format("object '{}' is a set of spheres, which cannot stand for a real thing", object.name),
+            "use a model or a shape as holdout");
+    }
+    if (!object.material.texture.empty()) {
+        throw InputError(scene, fmt::format("object '{}' is a set of spheres, which takes no texture", object.name),
+                         "colour it by a column: color_column of [object.sphere]");
+    }
+    const SphereSet set = load_sphere_set(object.spheres, object.sphere, warnings);
+    if (set.blends()) warnings.add(object.spheres.string() + ": spheres that let light through are drawn opaque");
+    surfaces_.add_spheres(added, set);
 }
 
 Eigen::Matrix4d SceneObjects::world_from_model(std::size_t object, const ClipTime& time) const {

@@ -51,6 +51,9 @@ private:
         ObjectSettings settings;
         Eigen::Affine3d world_from_parent;
     };
+    void add_spheres(const SurfaceObject& added, const ObjectSettings& object, const std::filesystem::path& scene,
+                     Warnings& warnings);
+
     SurfaceRenderer& surfaces_;
     std::optional<RayScene> rays_;
     std::vector<Object> objects_;

@@ -1,5 +1,6 @@
 // Spheres on the GPU are where rays in double precision meet them, whatever is passed over on the way.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -7,10 +8,10 @@
 #include <Eigen/Geometry>
 
 #include "gl_fixture.h"
+#include "render/effects/contact_shadow.h"
 #include "render/environment.h"
 #include "render/sphere_sets.h"
 #include "render/surface.h"
-#include "render/virtual_layer.h"
 #include "render_scene.h"
 #include "scene/sphere_caster.h"
 
@@ -103,6 +104,161 @@ TEST_F(Spheres, what_is_passed_over_changes_no_pixel) {
         EXPECT_TRUE(std::ranges::equal(all.id.samples(), tested.id.samples()));
         EXPECT_TRUE(std::ranges::equal(all.depth_share.samples(), tested.depth_share.samples()));
     }
+}
+
+TEST_F(Spheres, many_are_where_rays_in_double_precision_meet_them) {
+    const SphereSet set = random_set(3000, 0.01F, 0.06F);
+    SphereSets sets(shaders());
+    sets.add(set);
+    SphereCaster caster;
+    caster.add_set(set);
+    const Picture seen = see(sets, camera);
+    int different = 0, covered = 0;
+    for (int y = 0; y < camera.size; ++y) {
+        for (int x = 0; x < camera.size; ++x) {
+            const Eigen::Vector3d ray = camera.ray(x, y);
+            const double forward = ray.dot(camera.forward);
+            const auto hit = caster.nearest({.origin_m = camera.eye, .direction = ray, .least = 1e-3 / forward});
+            const bool is_seen = seen.id.at(x, y, 0) != 0;
+            if (hit) ++covered;
+            if (hit.has_value() != is_seen) {
+                ++different;
+                continue;
+            }
+            if (!hit) continue;
+            // Where a ray grazes a sphere, it may meet or miss it by rounding.
+            if (std::abs(1e-3 / seen.depth_share.at(x, y, 0) - hit->distance * forward) > 1e-4) ++different;
+        }
+    }
+    EXPECT_GT(covered, 10'000);
+    EXPECT_LE(different, 2);
+}
+
+TEST_F(Spheres, from_radii_of_a_millionth_to_a_million_of_the_distance) {
+    for (const double radius : {1e-3, 1.0, 1e3, 1e6}) {
+        // Before the eye, one metre away.
+        SphereSets sets(shaders());
+        sets.add(set_of({{{0, static_cast<float>(radius), 0}, static_cast<float>(radius)}}));
+        const TestCamera from{{0, -1, 0}, {0, 1, 0}, {1, 0, 0}, 65, 100};
+        const Picture seen = see(sets, from);
+        const int middle = from.size / 2;
+        ASSERT_NE(seen.id.at(middle, middle, 0), 0U) << radius;
+        EXPECT_NEAR(1e-3 / seen.depth_share.at(middle, middle, 0), 1, 1e-5) << radius;
+    }
+    // A micrometre a metre away covers no pixel's middle but the one that it is put in.
+    SphereSets sets(shaders());
+    sets.add(set_of({{{0, 0, 0}, 1e-6F}}));
+    const TestCamera from{{0, -1, 0}, {0, 1, 0}, {1, 0, 0}, 65, 100};
+    const Picture seen = see(sets, from);
+    EXPECT_EQ(std::ranges::count_if(seen.id.samples(), [](std::uint32_t id) { return id != 0; }), 1);
+    EXPECT_NE(seen.id.at(32, 32, 0), 0U);
+}
+
+TEST_F(Spheres, from_inside_the_far_side_is_seen) {
+    SphereSets sets(shaders());
+    sets.add(set_of({{{0, 0, 0}, 2}}));
+    const TestCamera from{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, 65, 30};
+    const Picture seen = see(sets, from);
+    for (int y = 0; y < from.size; ++y) {
+        for (int x = 0; x < from.size; ++x) {
+            ASSERT_NE(seen.id.at(x, y, 0), 0U);
+            EXPECT_NEAR(1e-3 / seen.depth_share.at(x, y, 0), 2 * from.ray(x, y).y(), 1e-5);
+        }
+    }
+}
+
+TEST_F(Spheres, of_those_at_one_place_the_first_is_seen) {
+    SphereSets sets(shaders());
+    const Sphere one{{0, 0, 0}, 0.3F};
+    sets.add(set_of({one, one, one}));
+    const Picture seen = see(sets, camera);
+    EXPECT_EQ(std::ranges::max(seen.id.samples()), sets.first_id(0));
+}
+
+TEST_F(Spheres, one_is_lit_as_a_mesh_of_it_is) {
+    const Probe probe = test::make_probe(128, [](const Eigen::Vector3d& d) { return test::octant_color(d); });
+    const Environment environment(shaders(), probe);
+    const TestCamera from{{0, -2, 0.4}, {0, 1, 0}, {1, 0, 0}, 129, 160};
+    Model mesh = test::make_sphere(0.5);
+    const MaterialOverride material{.base_color = std::array{0.8, 0.5, 0.2}, .roughness = 0.6};
+    SurfaceRenderer meshes(shaders()), spheres(shaders());
+    meshes.add_object({.model = &mesh, .material = material});
+    spheres.add_spheres({.material = material}, set_of({{{0, 0, 0}, 0.5F}}));
+    const SurfacePicture of_mesh = meshes.draw(environment, from.view(1));
+    const ImageF expected = of_mesh.color->read<float>({0, 0, from.size, from.size}, 4);
+    const SurfacePicture of_sphere = spheres.draw(environment, from.view(1));
+    const ImageF drawn = of_sphere.color->read<float>({0, 0, from.size, from.size}, 4);
+    int compared = 0;
+    for (int y = 0; y < from.size; ++y) {
+        for (int x = 0; x < from.size; ++x) {
+            const auto hit = test::hit_sphere(from.eye, from.ray(x, y), 0.5);
+            // Towards the rim the mesh's normals are those of its triangles.
+            if (!hit || std::abs(hit->normalized().dot(from.ray(x, y))) < 0.3) continue;
+            ++compared;
+            for (int c = 0; c < 4; ++c) ASSERT_NEAR(drawn.at(x, y, c), expected.at(x, y, c), 4e-3) << x << ", " << y;
+        }
+    }
+    EXPECT_GT(compared, 3000);
+}
+
+TEST_F(Spheres, layers_and_ways_are_those_of_a_mesh) {
+    Model mesh = test::make_sphere(0.5);
+    SurfaceRenderer meshes(shaders()), spheres(shaders());
+    meshes.add_object({.model = &mesh, .id = 3});
+    spheres.add_spheres({.id = 3}, set_of({{{0, 0, 0}, 0.5F}}));
+    const SurfaceView view = camera.view(1);
+    const Region region{0, 0, camera.size, camera.size};
+    const SurfacePicture of_mesh = meshes.draw_layers(view), of_sphere = spheres.draw_layers(view);
+    const ImageF mesh_depth = of_mesh.depth_m->read<float>(region, 1),
+                 depth = of_sphere.depth_m->read<float>(region, 1);
+    const ImageF mesh_normal = of_mesh.normal->read<float>(region, 4),
+                 normal = of_sphere.normal->read<float>(region, 4);
+    ObjectWay way;
+    way.closing_camera_from_model.topRightCorner<3, 1>() = Eigen::Vector3d(0.1, 0, 2);
+    way.opening_camera_from_model.topRightCorner<3, 1>() = Eigen::Vector3d(0, 0, 2);
+    const ImageF mesh_way = meshes.draw_ways(view, std::span(&way, 1)).read<float>(region, 4);
+    const ImageF sphere_way = spheres.draw_ways(view, std::span(&way, 1)).read<float>(region, 4);
+    int compared = 0;
+    for (int y = 0; y < camera.size; ++y) {
+        for (int x = 0; x < camera.size; ++x) {
+            const auto hit = test::hit_sphere(camera.eye, camera.ray(x, y), 0.5);
+            if (!hit || std::abs(hit->normalized().dot(camera.ray(x, y))) < 0.3) continue;
+            ++compared;
+            ASSERT_NEAR(depth.at(x, y, 0), mesh_depth.at(x, y, 0), 1e-3);
+            for (int c = 0; c < 3; ++c) {
+                ASSERT_NEAR(normal.at(x, y, c), mesh_normal.at(x, y, c), 2e-3);
+                ASSERT_NEAR(sphere_way.at(x, y, c), mesh_way.at(x, y, c), 1e-3);
+            }
+        }
+    }
+    EXPECT_GT(compared, 10'000);
+}
+
+TEST_F(Spheres, shade_the_surface_and_each_other_as_meshes_do) {
+    Model mesh = test::make_sphere(0.5);
+    SurfaceRenderer meshes(shaders()), spheres(shaders());
+    const Eigen::Matrix4d raised = Eigen::Affine3d(Eigen::Translation3d(0, 0, 0.8)).matrix();
+    meshes.add_object({.model = &mesh, .world_from_model = raised});
+    spheres.add_spheres({.world_from_model = raised}, set_of({{{0, 0, 0}, 0.5F}}));
+    const SurfaceLight light = make_surface_light(test::uniform_probe(1), 0, 16);
+    const ContactShadowSettings settings{.directions = 16, .resolution = 128};
+    const ShadowCasters of_mesh{meshes.shadow_caster_bounds_m(), [&](Program& p) { meshes.draw_shadow_casters(p); }};
+    const ShadowCasters of_sphere{spheres.shadow_caster_bounds_m(), [&](Program& p) { spheres.draw_shadow_casters(p); },
+                                  [&](const SphereCast& cast) { spheres.cast_shadow_spheres(cast); }};
+    ASSERT_TRUE(of_sphere.bounds_m.isApprox(of_mesh.bounds_m, 1e-6));
+    const auto expected = make_contact_shadow(shaders(), of_mesh, light, settings);
+    const auto cast = make_contact_shadow(shaders(), of_sphere, light, settings);
+    ASSERT_TRUE(expected && cast);
+    const ImageF expected_loss = expected->fine.loss.read<float>(expected->fine.loss.bounds(), 4);
+    const ImageF loss = cast->fine.loss.read<float>(cast->fine.loss.bounds(), 4);
+    double most = 0, difference = 0;
+    for (std::size_t i = 0; i < loss.samples().size(); ++i) {
+        most = std::max(most, double(expected_loss.samples()[i]));
+        difference += std::abs(loss.samples()[i] - expected_loss.samples()[i]);
+    }
+    EXPECT_GT(most, 0.2);
+    // Texels at the outlines of some directions.
+    EXPECT_LT(difference / static_cast<double>(loss.samples().size()), 0.002 * most);
 }
 
 }  // namespace
