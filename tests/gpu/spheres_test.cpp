@@ -32,6 +32,7 @@ SphereSet set_of(std::vector<Sphere> spheres) {
     SphereSet set;
     set.name = "test";
     set.spheres = std::move(spheres);
+    set.color = {1, 1, 1};  // as meshes have it
     set.update_bounds();
     return set;
 }
@@ -180,7 +181,9 @@ TEST_F(Spheres, one_is_lit_as_a_mesh_of_it_is) {
     const Environment environment(shaders(), probe);
     const TestCamera from{{0, -2, 0.4}, {0, 1, 0}, {1, 0, 0}, 129, 160};
     Model mesh = test::make_sphere(0.5);
-    const MaterialOverride material{.base_color = std::array{0.8, 0.5, 0.2}, .roughness = 0.6};
+    MaterialOverride material;
+    material.base_color = {0.8, 0.5, 0.2};
+    material.roughness = 0.6;
     SurfaceRenderer meshes(shaders()), spheres(shaders());
     meshes.add_object({.model = &mesh, .material = material});
     spheres.add_spheres({.material = material}, set_of({{{0, 0, 0}, 0.5F}}));
