@@ -5,7 +5,8 @@ uniform usampler2D seen_spheres;   // which sphere (spheres/visible.frag)
 uniform sampler2D seen_depth;      // near_m / z
 uniform samplerBuffer spheres;     // centre, radius
 uniform samplerBuffer sphere_colors;  // sRGB-coded
-uniform bool has_sphere_colors;
+uniform samplerBuffer sphere_opacities;
+uniform bool has_sphere_colors, has_sphere_opacities;
 uniform uint first_id, end_id;     // of the set
 uniform vec3 eye_high, eye_low;    // in the set's axes
 uniform mat4 world_from_model;
@@ -52,6 +53,7 @@ bool see() {
         vec3 code = texelFetch(sphere_colors, number).rgb;
         vertex_color.rgb = vec3(linear_from_srgb(code.r), linear_from_srgb(code.g), linear_from_srgb(code.b));
     }
+    if (has_sphere_opacities) vertex_color.a = texelFetch(sphere_opacities, number).r;
     gl_FragDepth = fragment_depth;
     return true;
 }

@@ -7,17 +7,33 @@ layout(depth_less) out float gl_FragDepth;
 
 layout(location = 0) out uint seen;
 
-#ifdef BEHIND
+#if defined(BEHIND) || defined(PEEL)
 uniform sampler2D nearest_depth_share;  // near_m / z of what is in front
+#endif
+#ifdef PEEL
+uniform usampler2D nearest_id;          // of the layer in front
+uniform sampler2D covered;              // by the layers in front: alpha
+uniform float enough;
 #endif
 
 void main() {
+#ifdef PEEL
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    uint in_front = texelFetch(nearest_id, pixel, 0).r;
+    // Whoever had no sphere in the layer before has none behind it.
+    if (in_front == 0u || texelFetch(covered, pixel, 0).a >= enough) discard;
+#endif
     float depth = meet_depth();
     if (depth < 0.0) discard;
 #ifdef BEHIND
     // What is in front, drawn again, may differ by rounding.
     const float same = 1.0 - 1e-5;
     if (depth >= same * texelFetch(nearest_depth_share, ivec2(gl_FragCoord.xy), 0).r) discard;
+#endif
+#ifdef PEEL
+    // The same program finds the same depths, to the last bit.
+    float peeled = texelFetch(nearest_depth_share, pixel, 0).r;
+    if (depth > peeled || (depth == peeled && sphere_id <= in_front)) discard;
 #endif
     gl_FragDepth = depth;
     seen = sphere_id;

@@ -99,9 +99,7 @@ void SceneObjects::add_spheres(const SurfaceObject& added, const ObjectSettings&
         throw InputError(scene, fmt::format("object '{}' is a set of spheres, which takes no texture", object.name),
                          "colour it by a column: color_column of [object.sphere]");
     }
-    const SphereSet set = load_sphere_set(object.spheres, object.sphere, warnings);
-    if (set.blends()) warnings.add(object.spheres.string() + ": spheres that let light through are drawn opaque");
-    surfaces_.add_spheres(added, set);
+    surfaces_.add_spheres(added, load_sphere_set(object.spheres, object.sphere, warnings));
 }
 
 Eigen::Matrix4d SceneObjects::world_from_model(std::size_t object, const ClipTime& time) const {

@@ -8,7 +8,7 @@
 #include "gl/framebuffer.h"
 #include "gl/shader_library.h"
 #include "render/sphere_geometry.h"
-#include "render/sphere_view.h"
+#include "render/sphere_rays.h"
 
 namespace matchlight {
 

@@ -54,6 +54,11 @@ SphereGeometry::SphereGeometry(const SphereSet& set)
         colors_ = in_order(std::span<const std::array<std::uint8_t, 4>>(set.colors), sorted.order);
         color_texels_ = BufferTexture(colors_, GL_RGBA8);
     }
+    has_opacities_ = !set.opacities.empty();
+    if (has_opacities_) {
+        opacities_ = in_order(std::span<const float>(set.opacities), sorted.order);
+        opacity_texels_ = BufferTexture(opacities_, GL_R32F);
+    }
 }
 
 void SphereGeometry::bind(Program& program, GLuint first_unit) const {
@@ -62,6 +67,9 @@ void SphereGeometry::bind(Program& program, GLuint first_unit) const {
     (has_colors_ ? color_texels_ : sphere_texels_).bind(first_unit + 1);
     program.set("sphere_colors", static_cast<int>(first_unit + 1));
     program.set("has_sphere_colors", has_colors_);
+    (has_opacities_ ? opacity_texels_ : sphere_texels_).bind(first_unit + 2);
+    program.set("sphere_opacities", static_cast<int>(first_unit + 2));
+    program.set("has_sphere_opacities", has_opacities_);
 }
 
 }  // namespace matchlight

@@ -24,17 +24,18 @@ public:
     void bind_points() const { points_.bind(); }
     /// Without attributes: for triangles, whose shader fetches spheres.
     void bind_triangles() const { triangles_.bind(); }
-    /// `spheres` and, where spheres have colours of their own, `sphere_colors`: samplerBuffers at two units.
+    /// `spheres` and, where spheres have colours and opacities of their own, `sphere_colors` and `sphere_opacities`:
+    /// samplerBuffers at three units.
     void bind(Program& program, GLuint first_unit) const;
 
 private:
     std::uint32_t size_;
     std::vector<SphereCell> cells_;
     Eigen::AlignedBox3d bounds_m_;
-    Buffer spheres_, colors_;
-    BufferTexture sphere_texels_, color_texels_;
+    Buffer spheres_, colors_, opacities_;
+    BufferTexture sphere_texels_, color_texels_, opacity_texels_;
     VertexArray points_, triangles_;
-    bool has_colors_ = false;
+    bool has_colors_ = false, has_opacities_ = false;
 };
 
 }  // namespace matchlight

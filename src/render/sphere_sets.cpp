@@ -2,6 +2,7 @@
 #include "render/sphere_sets.h"
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
 
 #include <fmt/format.h>
@@ -13,7 +14,7 @@ namespace matchlight {
 namespace {
 
 /// After the units of the geometry.
-constexpr GLuint nearer_unit = 2;
+constexpr GLuint peeling_unit = 3;
 
 void set_depth_state() {
     glEnable(GL_DEPTH_TEST);
@@ -48,25 +49,22 @@ void SphereSets::Targets::fit(int width, int height) {
     target = Framebuffer({id}, depth);
 }
 
-SeenSpheres SphereSets::see(std::span<const PlacedSpheres> placed, int width, int height,
-                            const Texture2D* nearer_share) {
-    Targets& targets = nearer_share != nullptr ? behind_ : nearest_;
+void SphereSets::draw(std::span<const PlacedSpheres> placed, int width, int height, Targets& targets,
+                      const ShaderDefines& defines, const std::function<void(Program&)>& set_up) {
     targets.fit(width, height);
-    const Region region{0, 0, width, height};
-    targets.target.bind(region);
+    targets.target.bind({0, 0, width, height});
     glEnable(GL_SCISSOR_TEST);
     glScissor(0, 0, width, height);
     targets.target.clear_color_integer(0, 0);
     targets.target.clear_depth();
     glDisable(GL_SCISSOR_TEST);
     set_depth_state();
-    ShaderDefines defines;
-    if (nearer_share != nullptr) defines["BEHIND"] = "1";
     const std::vector<ShaderStage> stages{{GL_VERTEX_SHADER, "spheres/sphere.vert"},
                                           {GL_FRAGMENT_SHADER, "spheres/visible.frag"}};
     Program& points = shaders_.program(stages, defines);
-    defines["TRIANGLES"] = "1";
-    Program& triangles = shaders_.program(stages, defines);
+    ShaderDefines of_triangles = defines;
+    of_triangles["TRIANGLES"] = "1";
+    Program& triangles = shaders_.program(stages, of_triangles);
     for (const PlacedSpheres& one : placed) {
         const SphereRays rays({.clip_from_world = one.clip_from_world, .width = width, .height = height},
                               one.world_from_model);
@@ -74,7 +72,7 @@ SeenSpheres SphereSets::see(std::span<const PlacedSpheres> placed, int width, in
             program->use();
             rays.set(*program);
             program->set("first_id", first_id(one.set));
-            if (nearer_share != nullptr) program->bind_texture("nearest_depth_share", nearer_unit, *nearer_share);
+            if (set_up) set_up(*program);
         }
         culling_.draw({.geometry = geometry(one.set),
                        .rays = rays,
@@ -86,6 +84,31 @@ SeenSpheres SphereSets::see(std::span<const PlacedSpheres> placed, int width, in
                       visibility);
     }
     glDisable(GL_DEPTH_TEST);
+    last_ = &targets;
+}
+
+SeenSpheres SphereSets::see(std::span<const PlacedSpheres> placed, int width, int height,
+                            const Texture2D* nearer_share) {
+    Targets& targets = nearer_share != nullptr ? behind_ : nearest_;
+    ShaderDefines defines;
+    if (nearer_share != nullptr) defines["BEHIND"] = "1";
+    draw(placed, width, height, targets, defines, [&](Program& program) {
+        if (nearer_share != nullptr) program.bind_texture("nearest_depth_share", peeling_unit, *nearer_share);
+    });
+    return {&targets.id, &targets.depth};
+}
+
+SeenSpheres SphereSets::see_next(std::span<const PlacedSpheres> placed, int width, int height, const Texture2D& covered,
+                                 double enough) {
+    assert(last_ != nullptr);
+    const Targets& before = *last_;
+    Targets& targets = &before == peeled_.data() ? peeled_[1] : peeled_[0];
+    draw(placed, width, height, targets, {{"PEEL", "1"}}, [&](Program& program) {
+        program.bind_texture("nearest_depth_share", peeling_unit, before.depth);
+        program.bind_texture("nearest_id", peeling_unit + 1, before.id);
+        program.bind_texture("covered", peeling_unit + 2, covered);
+        program.set("enough", enough);
+    });
     return {&targets.id, &targets.depth};
 }
 

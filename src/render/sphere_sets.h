@@ -6,6 +6,7 @@
 // afterwards. The double-precision reference is report/sphere_reference.h.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -17,7 +18,7 @@
 #include "gl/shader_library.h"
 #include "render/sphere_culling.h"
 #include "render/sphere_geometry.h"
-#include "render/sphere_view.h"
+#include "render/sphere_rays.h"
 
 namespace matchlight {
 
@@ -36,7 +37,7 @@ struct SeenSpheres {
 
 /// Parallel projections into whatever is bound, with the state that is set.
 struct SphereCast {
-    SphereView view;                       // parallel
+    SphereProjection view;                 // parallel
     std::string fragment;                  // a shader that includes spheres/meet.glsl
     std::function<void(Program&)> set_up;  // its other uniforms; may be empty
 };
@@ -54,6 +55,10 @@ public:
     /// The nearest sphere of each pixel; with `nearer_share` the nearest one behind that depth.
     SeenSpheres see(std::span<const PlacedSpheres> placed, int width, int height,
                     const Texture2D* nearer_share = nullptr);
+    /// Of the pixels that `covered` (its alpha) covers less than `enough`, the next sphere behind the one that see() or
+    /// see_next() found last; of spheres at one depth the next of the list.
+    SeenSpheres see_next(std::span<const PlacedSpheres> placed, int width, int height, const Texture2D& covered,
+                         double enough);
     /// Draws a set along parallel rays.
     void cast(std::size_t set, const Eigen::Matrix4d& world_from_model, const SphereCast& cast);
 
@@ -72,10 +77,15 @@ private:
         void fit(int width, int height);
     };
 
+    void draw(std::span<const PlacedSpheres> placed, int width, int height, Targets& targets,
+              const ShaderDefines& defines, const std::function<void(Program&)>& set_up);
+
     ShaderLibrary& shaders_;
     std::vector<Set> sets_;
     std::uint32_t next_id_ = 1;
     Targets nearest_, behind_;
+    std::array<Targets, 2> peeled_;  // in turn
+    const Targets* last_ = nullptr;  // what see() or see_next() drew last
     SphereCulling culling_;
 };
 

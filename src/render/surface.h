@@ -14,6 +14,7 @@
 #include "gl/shader_library.h"
 #include "render/effects/depth_of_field.h"
 #include "render/environment.h"
+#include "render/sphere_peeling.h"
 #include "render/sphere_sets.h"
 #include "scene/model.h"
 #include "scene/scene_file.h"
@@ -148,6 +149,9 @@ public:
     /// holdout. `set` is only read while adding.
     std::size_t add_spheres(const SurfaceObject& object, const SphereSet& set);
     bool any_spheres() const;
+    /// What light spheres that are peeled may let through unseen, and how many layers are the most.
+    void set_peeling(double residual, int most_layers);
+    int peeled_layers() const { return peeled_layers_; }  // by the last draw
     /// How they are drawn: what is passed over, for reports and tests. Null where there are none.
     SphereSets* spheres() { return spheres_.get(); }
     void place_object(std::size_t index, const Eigen::Matrix4d& world_from_model);
@@ -251,7 +255,14 @@ private:
     void draw_objects(const Programs& programs, const SurfaceView& view, Drawn drawn,
                       const PlaceMore& place_more = {}) const;
     /// Finds which spheres the view sees, for draw_seen_spheres(); with `nearer_share` those behind that depth.
-    void see_spheres(const SurfaceView& view, const Texture2D* nearer_share = nullptr);
+    enum class SphereKind { opaque, all };
+    void see_spheres(const SurfaceView& view, SphereKind kind, const Texture2D* nearer_share = nullptr);
+    std::vector<PlacedSpheres> placed_spheres(const SurfaceView& view,
+                                              const std::function<bool(const Object&)>& of) const;
+    bool any_spheres_blend() const;
+    /// Peels spheres that let light through off what is before the depth of `target`, and puts them over it.
+    void draw_peeled_spheres(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading,
+                             const Framebuffer& target);
     void draw_seen_spheres(Program& program, const SurfaceView& view, const PlaceMore& place_more) const;
     bool casts_spheres(const Object& object) const;
     Eigen::AlignedBox3d sphere_bounds_m(const Object& object) const;
@@ -273,6 +284,10 @@ private:
     FullScreenTriangle triangle_;  // and the cells of the lens' grid
     std::unique_ptr<SphereSets> spheres_;
     SeenSpheres seen_spheres_;
+    std::unique_ptr<SpherePeeling> peeling_;
+    double peeling_residual_ = 1.0 / 255 / 64;  // half a code in the darkest part of the sRGB curve, and less elsewhere
+    int most_peeled_layers_ = 4096;
+    int peeled_layers_ = 0;
 };
 
 }  // namespace matchlight

@@ -207,10 +207,12 @@ SurfaceRenderer::Programs SurfaceRenderer::light_programs(const Environment& env
 SurfacePicture SurfaceRenderer::draw(const Environment& environment, const SurfaceView& view,
                                      const SurfaceShading& shading) {
     assert(view.width > 0 && view.height > 0 && view.samples > 0);
-    const int samples = std::min(view.samples, current_gl_context()->info().max_samples);
+    // Layers are peeled off one depth a pixel.
+    const int most_samples = any_spheres_blend() ? 1 : current_gl_context()->info().max_samples;
+    const int samples = std::min(view.samples, most_samples);
     targets_->fit_color(view, samples);
     assert(!view.lens || samples == 1);
-    see_spheres(view);
+    see_spheres(view, SphereKind::opaque);
     const Programs programs = light_programs(environment, view, shading);
     if (view.lens) Targets::fit(targets_->focused, targets_->color, targets_->depth);
     const Region region{0, 0, view.width, view.height};
@@ -229,6 +231,7 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     }
     begin_drawing(*target, region, colors_of(view));
     draw_objects(programs, view, view.lens && view.lens->parts_transparent ? Drawn::opaque_light : Drawn::light);
+    draw_peeled_spheres(environment, view, shading, *target);
     if (samples > 1) {
         target->resolve_color_to(targets_->resolved, region);
         if (view.parts_coverage) target->resolve_color_to(targets_->covered.target, region, 1, 1);
@@ -280,7 +283,7 @@ SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, cons
                      view.lens ? &targets_->hidden_focused.focus_share : nullptr, &targets_->hidden.depth);
         target = &targets_->hidden_covered.target;
     }
-    see_spheres(view, &targets_->depth);
+    see_spheres(view, SphereKind::opaque, &targets_->depth);
     begin_drawing(*target, region, colors_of(view));
     // First where it is, then how it looks: so that little of it is shaded in vain, for mostly little is hidden.
     const Programs depth = programs("surface/hidden_depth.frag", {}, [&](Program& program) {
@@ -301,7 +304,7 @@ SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, cons
 SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
     assert(view.width > 0 && view.height > 0);
     targets_->fit_layers(view);
-    see_spheres(view);
+    see_spheres(view, SphereKind::all);
     const Framebuffer& target = targets_->layers;
     const Region region{0, 0, view.width, view.height};
     target.bind(region);
@@ -330,7 +333,7 @@ const Texture2D& SurfaceRenderer::draw_ways_into(Targets& targets, const Surface
     Targets::ColorAndDepth& target = targets.ways.at(static_cast<std::size_t>(picture));
     Targets::fit(target, view, GL_RGBA32F);
     const bool shows_spheres = drawn == Drawn::ways && any_spheres();
-    if (shows_spheres) see_spheres(view);
+    if (shows_spheres) see_spheres(view, SphereKind::all);
     const std::string fragment = "effects/motion_blur/ways.frag";
     Program& meshes =
         shaders_.program({{GL_VERTEX_SHADER, "effects/motion_blur/ways.vert"}, {GL_FRAGMENT_SHADER, fragment}});
@@ -365,7 +368,7 @@ const Texture2D& SurfaceRenderer::draw_parts(const SurfaceView& view) {
     const int samples = std::min(any_blends() ? std::max(view.samples, of_opacity) : view.samples,
                                  current_gl_context()->info().max_samples);
     Targets::fit(targets_->parts, view, GL_R32F, samples);
-    see_spheres(view);
+    see_spheres(view, SphereKind::all);
     const Programs drawn =
         programs("surface/parts.frag", {}, [&](Program& program) { program.set("sample_count", samples); });
     begin_drawing(targets_->parts.target, {0, 0, view.width, view.height}, 1);

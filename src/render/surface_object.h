@@ -29,6 +29,7 @@ struct SurfaceRenderer::Object {
     std::optional<std::size_t> spheres = {};  // a set of them instead
 
     bool is_spheres() const { return spheres.has_value(); }
+    bool has_blending_spheres() const { return is_spheres() && materials.front().blends(); }
     const SurfaceMaterial& material_of(const Mesh& mesh) const { return materials[mesh.material]; }
     bool casts(const Mesh& mesh) const {
         constexpr float solid = 0.5F;

@@ -18,6 +18,8 @@ Model material_model(const SphereSet& set) {
     model.name = set.name;
     ModelMaterial& material = model.materials.emplace_back();
     if (set.colors.empty()) material.base_color = {set.color[0], set.color[1], set.color[2], 1};
+    if (set.opacities.empty()) material.base_color[3] = set.opacity;
+    if (set.blends()) material.alpha_mode = AlphaMode::blend;
     return model;
 }
 
@@ -39,24 +41,73 @@ bool SurfaceRenderer::any_spheres() const {
 }
 
 bool SurfaceRenderer::casts_spheres(const Object& object) const {
-    return object.is_spheres() && object.casts_shadow;
+    constexpr float solid = 0.5F;  // as of meshes
+    return object.is_spheres() && object.casts_shadow && object.materials.front().factors.base_color[3] >= solid;
 }
 
 Eigen::AlignedBox3d SurfaceRenderer::sphere_bounds_m(const Object& object) const {
     return object.placed(spheres_->geometry(*object.spheres).bounds_m());
 }
 
-void SurfaceRenderer::see_spheres(const SurfaceView& view, const Texture2D* nearer_share) {
-    if (!any_spheres()) return;
+bool SurfaceRenderer::any_spheres_blend() const {
+    return std::ranges::any_of(objects_, &Object::has_blending_spheres);
+}
+
+std::vector<PlacedSpheres> SurfaceRenderer::placed_spheres(const SurfaceView& view,
+                                                           const std::function<bool(const Object&)>& of) const {
     std::vector<PlacedSpheres> placed;
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         const Object& object = objects_[i];
-        if (!object.is_spheres()) continue;
+        if (!object.is_spheres() || !of(object)) continue;
         const auto apart = std::ranges::find(view.apart, i, &ObjectView::object);
         placed.push_back({*object.spheres, object.world_from_model,
                           apart != view.apart.end() ? apart->clip_from_world : view.clip_from_world});
     }
+    return placed;
+}
+
+void SurfaceRenderer::see_spheres(const SurfaceView& view, SphereKind kind, const Texture2D* nearer_share) {
+    if (!any_spheres()) return;
+    const auto placed = placed_spheres(
+        view, [&](const Object& object) { return kind == SphereKind::all || !object.has_blending_spheres(); });
     seen_spheres_ = spheres_->see(placed, view.width, view.height, nearer_share);
+}
+
+void SurfaceRenderer::set_peeling(double residual, int most_layers) {
+    peeling_residual_ = residual;
+    most_peeled_layers_ = most_layers;
+}
+
+void SurfaceRenderer::draw_peeled_spheres(const Environment& environment, const SurfaceView& view,
+                                          const SurfaceShading& shading, const Framebuffer& target) {
+    if (!any_spheres_blend()) return;
+    if (!peeling_) peeling_ = std::make_unique<SpherePeeling>(shaders_);
+    const auto placed = placed_spheres(view, &Object::has_blending_spheres);
+    // How the lens blurs it, and what of it is virtual, is told of all layers at once.
+    SurfaceView of_light = view;
+    of_light.lens.reset();
+    of_light.parts_coverage = false;
+    Program& light = *light_programs(environment, of_light, shading).spheres;
+    peeled_layers_ = peeling_->peel({.sets = *spheres_,
+                                     .placed = placed,
+                                     .width = view.width,
+                                     .height = view.height,
+                                     .opaque_depth = targets_->depth,
+                                     .residual = peeling_residual_,
+                                     .most_layers = most_peeled_layers_,
+                                     .light = [&](const SeenSpheres& layer) {
+                                         seen_spheres_ = layer;
+                                         draw_seen_spheres(light, of_light, {});
+                                     }});
+    Program& over = shaders_.full_screen("surface/peeled.frag", view_defines(view));
+    target.bind({0, 0, view.width, view.height});
+    over.use();
+    over.bind_texture("peeled_light", seen_unit, peeling_->light());
+    over.bind_texture("first_depth", seen_unit + 1, peeling_->first_depth_share());
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // premultiplied
+    triangle_.draw();
+    glDisable(GL_BLEND);
 }
 
 void SurfaceRenderer::draw_seen_spheres(Program& program, const SurfaceView& view, const PlaceMore& place_more) const {

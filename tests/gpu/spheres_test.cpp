@@ -264,5 +264,116 @@ TEST_F(Spheres, shade_the_surface_and_each_other_as_meshes_do) {
     EXPECT_LT(difference / static_cast<double>(loss.samples().size()), 0.002 * most);
 }
 
+/// Sends out the same light everywhere and mirrors none.
+MaterialOverride glowing(const std::array<double, 3>& light) {
+    MaterialOverride material;
+    material.diffuse = material.specular = {0, 0, 0};
+    material.emissive = light;
+    return material;
+}
+
+struct PeelingTest : Spheres {
+    Environment environment{shaders(), test::uniform_probe(1)};
+    SurfaceRenderer surfaces{shaders()};
+    TestCamera from{{0.1, -2, 0.3}, {0, 1, 0}, {1, 0, 0}, 65, 75};
+
+    ImageF draw() {
+        const SurfacePicture picture = surfaces.draw(environment, from.view(1));
+        return picture.color->read<float>({0, 0, from.size, from.size}, 4);
+    }
+};
+
+TEST_F(PeelingTest, layers_add_up_in_the_order_of_the_ray) {
+    const std::array<std::array<double, 3>, 2> lights{{{1, 0.2, 0}, {0, 0.3, 0.8}}};
+    std::array<SphereSet, 2> sets{random_set(150, 0.05F, 0.15F), random_set(200, 0.03F, 0.12F)};
+    for (std::size_t i = 0; i < sets[1].size(); ++i) sets[1].spheres[i].centre_m[0] += 0.031F;
+    sets[0].opacity = 0.3F;
+    for (std::size_t i = 0; i < sets[1].size(); ++i) sets[1].opacities.push_back(static_cast<float>(i % 11) / 10.F);
+    SphereCaster caster;
+    for (std::size_t i = 0; i < 2; ++i) {
+        sets[i].update_bounds();
+        surfaces.add_spheres({.material = glowing(lights[i]), .id = static_cast<int>(i) + 1}, sets[i]);
+        caster.add_set(sets[i]);
+    }
+    for (const double residual : {1e-4, 0.1}) {
+        surfaces.set_peeling(residual, 1000);
+        const ImageF drawn = draw();
+        std::vector<SphereHit> hits;
+        int different = 0;
+        double most = 0;
+        for (int y = 0; y < from.size; ++y) {
+            for (int x = 0; x < from.size; ++x) {
+                caster.all({.origin_m = from.eye, .direction = from.ray(x, y), .least = 1e-3},
+                           SphereCaster::Surfaces::first, hits);
+                Eigen::Vector3d light = Eigen::Vector3d::Zero();
+                double through = 1;
+                for (const SphereHit& hit : hits) {
+                    const SphereSet& set = sets[hit.set];
+                    const double opacity = set.opacities.empty() ? set.opacity : set.opacities[hit.sphere];
+                    light += through * opacity * Eigen::Vector3d(lights[hit.set].data());
+                    through *= 1 - opacity;
+                }
+                // A half float's step besides what is let through.
+                const double bound = residual + 1e-3;
+                bool is_off = std::abs(drawn.at(x, y, 3) - (1 - through)) > bound;
+                for (int c = 0; c < 3; ++c) is_off = is_off || std::abs(drawn.at(x, y, c) - light[c]) > bound;
+                if (is_off) ++different;
+                most = std::max(most, 1 - through);
+            }
+        }
+        EXPECT_GT(most, 0.99);
+        // Where a ray grazes a sphere, it may meet or miss it by rounding.
+        EXPECT_LE(different, 2) << residual;
+    }
+}
+
+TEST_F(PeelingTest, fewer_layers_where_more_may_be_let_through) {
+    SphereSet set = random_set(400, 0.1F, 0.2F);
+    set.opacity = 0.5F;
+    surfaces.add_spheres({.material = glowing({1, 1, 1})}, set);
+    surfaces.set_peeling(1e-4, 1000);
+    draw();
+    const int many = surfaces.peeled_layers();
+    surfaces.set_peeling(0.1, 1000);
+    draw();
+    EXPECT_LT(surfaces.peeled_layers(), many);
+}
+
+TEST_F(PeelingTest, those_at_one_place_are_all_counted) {
+    const Sphere one{{0, 0, 0}, 0.3F};
+    SphereSet set = set_of({one, one, one});
+    set.opacity = 0.5F;
+    surfaces.add_spheres({.material = glowing({1, 1, 1})}, set);
+    const ImageF drawn = draw();
+    EXPECT_NEAR(drawn.at(32, 32, 3), 0.875, 1e-3);
+}
+
+TEST_F(PeelingTest, what_is_opaque_hides_them_and_shows_through_them) {
+    SphereSet set = set_of({{{0, -0.8F, 0.2F}, 0.1F}, {{0, 0.8F, -0.1F}, 0.1F}});
+    set.opacity = 0.25F;
+    Model mesh = test::make_sphere(0.5);
+    surfaces.add_object({.model = &mesh, .material = glowing({0, 1, 0}), .id = 1});
+    surfaces.add_spheres({.material = glowing({1, 0, 0}), .id = 2}, set);
+    const ImageF drawn = draw();
+    int before = 0;
+    for (int y = 0; y < from.size; ++y) {
+        for (int x = 0; x < from.size; ++x) {
+            if (!test::hit_sphere(from.eye, from.ray(x, y), 0.49)) continue;
+            const bool is_before = drawn.at(x, y, 0) > 0;
+            if (is_before) ++before;
+            ASSERT_NEAR(drawn.at(x, y, 0), is_before ? 0.25 : 0, 1e-3);
+            ASSERT_NEAR(drawn.at(x, y, 1), is_before ? 0.75 : 1, 1e-3);
+        }
+    }
+    EXPECT_GT(before, 20);
+}
+
+TEST_F(PeelingTest, sets_without_a_sphere_that_blends_peel_nothing) {
+    SphereSet set = random_set(100, 0.05F, 0.1F);
+    surfaces.add_spheres({.material = glowing({1, 1, 1})}, set);
+    draw();
+    EXPECT_EQ(surfaces.peeled_layers(), 0);
+}
+
 }  // namespace
 }  // namespace matchlight

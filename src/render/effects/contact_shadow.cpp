@@ -65,11 +65,11 @@ Region texels_of(const Eigen::AlignedBox2d& part_m, const Eigen::AlignedBox2d& r
 }
 
 /// Along the light onto the map, as flatten.vert does it; depth ½ is the surface, more lies above it.
-SphereView flattening_view(const Eigen::Vector3d& to_light, double surface_z_m, double highest_m,
+SphereProjection flattening_view(const Eigen::Vector3d& to_light, double surface_z_m, double highest_m,
                            const ShadowMap& map) {
     const Eigen::Vector2d low_m = map.rectangle_m.min(), size_m = map.rectangle_m.sizes();
     const Eigen::Vector2d lean = to_light.head<2>() / to_light.z();
-    SphereView view{.width = map.loss.width(), .height = map.loss.height(), .is_parallel = true};
+    SphereProjection view{.width = map.loss.width(), .height = map.loss.height(), .is_parallel = true};
     view.clip_from_world.setIdentity();
     for (int axis = 0; axis < 2; ++axis) {
         const double sign = axis == 0 ? 1 : -1;  // row 0 holds the smallest y

@@ -82,9 +82,9 @@ ObjectShadow::ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters,
 }
 
 /// As depth.vert has it.
-SphereView ObjectShadow::map_view(const Eigen::Vector3d& to_light, const Eigen::Vector3d& axis_u,
+SphereProjection ObjectShadow::map_view(const Eigen::Vector3d& to_light, const Eigen::Vector3d& axis_u,
                                   const Eigen::Vector3d& axis_v) const {
-    SphereView view{.width = resolution_, .height = resolution_, .is_parallel = true};
+    SphereProjection view{.width = resolution_, .height = resolution_, .is_parallel = true};
     view.clip_from_world.setIdentity();
     const auto set_row = [&](int row, const Eigen::Vector3d& axis, double offset) {
         view.clip_from_world.row(row).head<3>() = axis.transpose() / radius_m_;

@@ -44,7 +44,7 @@ public:
     int directions() const { return directions_; }
 
 private:
-    SphereView map_view(const Eigen::Vector3d& to_light, const Eigen::Vector3d& axis_u,
+    SphereProjection map_view(const Eigen::Vector3d& to_light, const Eigen::Vector3d& axis_u,
                         const Eigen::Vector3d& axis_v) const;
 
     Texture2D depth_;  // an array, one layer a direction: height towards the light, 0..1 over the bounding sphere

@@ -13,7 +13,7 @@ namespace matchlight {
 
 /// From the origin of a perspective (reversed z, infinitely far; clip w is metres along the camera's z), or along
 /// parallel rays (clip w is 1; depth 0..1, the nearest 1).
-struct SphereView {
+struct SphereProjection {
     Eigen::Matrix4d clip_from_world = Eigen::Matrix4d::Identity();
     int width = 0, height = 0;  // pixels
     bool is_parallel = false;
@@ -22,7 +22,7 @@ struct SphereView {
 /// A view in the axes of a set that stands at `world_from_model`: a rotation, a translation and one scale.
 class SphereRays {
 public:
-    SphereRays(const SphereView& view, const Eigen::Matrix4d& world_from_model);
+    SphereRays(const SphereProjection& view, const Eigen::Matrix4d& world_from_model);
 
     /// The uniforms of shaders/spheres/ray.glsl and sphere.vert, but for `first_id`.
     void set(Program& program) const;

@@ -1,5 +1,5 @@
 // Frustum tests by the corners of boxes, and what shaders need to know of rays.
-#include "render/sphere_view.h"
+#include "render/sphere_rays.h"
 
 #include <algorithm>
 #include <limits>
@@ -38,7 +38,7 @@ Eigen::Matrix3d perspective_axes(const Eigen::Matrix4d& clip_from_model) {
 
 }  // namespace
 
-SphereRays::SphereRays(const SphereView& view, const Eigen::Matrix4d& world_from_model)
+SphereRays::SphereRays(const SphereProjection& view, const Eigen::Matrix4d& world_from_model)
     : clip_from_model_(view.clip_from_world * world_from_model),
       ray_from_ndc_(view.is_parallel ? parallel_rays(clip_from_model_)
                                      : Eigen::Matrix3d(perspective_axes(clip_from_model_).inverse())),

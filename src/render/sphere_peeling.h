@@ -1,0 +1,47 @@
+// Spheres that let light through: peeled off layer by layer from the front, as far as it can be seen.
+//
+// Each layer is found behind the one before (Everitt 2001, "Interactive Order-Independent Transparency"), lit, and put
+// under what is there. A pixel that lets no more than `residual` through is left alone, and peeling ends where no pixel
+// is left; its error is at most what the residual lets through (render/transparency_bound.h). The exact composite in
+// double precision is report/transparency_reference.h.
+#pragma once
+
+#include <functional>
+
+#include "gl/framebuffer.h"
+#include "gl/shader_library.h"
+#include "render/sphere_sets.h"
+
+namespace matchlight {
+
+class SpherePeeling {
+public:
+    explicit SpherePeeling(ShaderLibrary& shaders) : shaders_(shaders) {}
+
+    struct Peeled {
+        SphereSets& sets;
+        std::span<const PlacedSpheres> placed;
+        int width = 0, height = 0;
+        const Texture2D& opaque_depth;  // what lies behind is hidden; of a size that holds the picture
+        double residual = 0;            // transmittance
+        int most_layers = 0;
+        /// Draws the layer's light, premultiplied, with its depth, into what is bound.
+        std::function<void(const SeenSpheres&)> light;
+    };
+    /// Returns the number of layers.
+    int peel(const Peeled& peeled);
+
+    /// Premultiplied light of all layers, alpha what they cover; RGBA32F. Until the next peel().
+    const Texture2D& light() const { return light_; }
+    /// near_m / z of the first layer, 0 where there is none; until the sets are seen again.
+    const Texture2D& first_depth_share() const { return *first_.depth_share; }
+
+private:
+    ShaderLibrary& shaders_;
+    Texture2D light_;
+    SeenSpheres first_;
+    Framebuffer target_;
+    GLuint target_depth_ = 0;  // what the target holds besides
+};
+
+}  // namespace matchlight
