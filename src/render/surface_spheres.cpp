@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/surface_object.h"
+#include "render/surface_targets.h"
 
 namespace matchlight {
 

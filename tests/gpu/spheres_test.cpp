@@ -340,7 +340,7 @@ TEST_F(PeelingTest, fewer_layers_where_more_may_be_let_through) {
 }
 
 TEST_F(PeelingTest, those_at_one_place_are_all_counted) {
-    const Sphere one{{0, 0, 0}, 0.3F};
+    const Sphere one{{0.1F, 0, 0.3F}, 0.3F};
     SphereSet set = set_of({one, one, one});
     set.opacity = 0.5F;
     surfaces.add_spheres({.material = glowing({1, 1, 1})}, set);
