@@ -23,6 +23,7 @@
 #include "report/experiments.h"
 #include "report/machine_calibration.h"
 #include "report/report_folder.h"
+#include "report/sphere_experiment.h"
 #include "report/stability_cases.h"
 #include "report/track_experiment.h"
 #include "report/track_text.h"
@@ -37,7 +38,9 @@ struct ReportArguments {
     std::string scene, output, truth, study;
     std::optional<std::int64_t> frame;
     std::vector<std::string> effects;  // all when empty
-    int repeats = 0;                   // 0: seven, or three when quick
+    std::vector<std::string> spheres;
+    std::size_t orbit_frames = 0;  // 0: 180, or 6 when quick
+    int repeats = 0;               // 0: seven, or three when quick
     bool quick = false, overwrite = false, stability = false, calibrate_machine = false, track = false;
 
     TimingOptions timing() const {
@@ -180,6 +183,18 @@ void measure_study(const ReportArguments& arguments, GlContext& gl, CommandConte
         context.warnings);
 }
 
+void measure_sphere_sets(const ReportArguments& arguments, CommandContext& context, Report& report) {
+    Progress progress("spheres", static_cast<std::int64_t>(sphere_experiment_steps(arguments.spheres.size())),
+                      context.quiet);
+    SphereExperimentOptions options;
+    options.frames = arguments.orbit_frames > 0 ? arguments.orbit_frames : arguments.quick ? 6 : 180;
+    options.repeats = std::max(arguments.repeats, 1);
+    options.quick = arguments.quick;
+    options.advance = [&progress] { progress.advance(); };
+    measure_spheres(arguments.spheres, options, context.warnings, report);
+    report.provenance = fmt::format("matchlight {}\n", version);
+}
+
 void run_stability_cases(bool quick, CommandContext& context, Report& report) {
     const std::vector<StabilityCase> cases = stability_cases(quick);
     Progress progress("stability", static_cast<std::int64_t>(cases.size()), context.quiet);
@@ -211,6 +226,8 @@ void make_report(const ReportArguments& arguments, CommandContext& context) {
         measure_track(arguments, context, report);
     } else if (!arguments.study.empty()) {
         measure_study(arguments, *gl, context, report);
+    } else if (!arguments.spheres.empty()) {
+        measure_sphere_sets(arguments, context, report);
     } else if (!arguments.scene.empty()) {
         measure_scene(arguments, *gl, context, report);
     }
@@ -219,6 +236,7 @@ void make_report(const ReportArguments& arguments, CommandContext& context) {
     print_result(context, nlohmann::json::parse(report_json(report)),
                  (report.track ? track_lines(*report.track) : effect_lines(report)) +
                      (arguments.study.empty() ? "" : depth_of_field_study_lines(report.depth_of_field_study)) +
+                     (report.sphere_study.empty() ? "" : sphere_study_lines(report.sphere_study)) +
                      stability_lines(report) + fmt::format("{}\n", folder.page().string()));
     const auto failed = std::ranges::count_if(report.stability, [](const StabilityRow& row) { return !row.pass; });
     if (failed > 0) {
@@ -260,6 +278,14 @@ void add_report_command(CLI::App& app, CommandContext& context) {
                      "\"depth\": what a frame costs with depth of field and without, by each method at 512x512, "
                      "1024x512 and 1024x1024; for scenes without footage")
         ->check(CLI::IsMember({"depth"}));
+    command
+        ->add_option("--spheres", arguments->spheres,
+                     "Sphere sets, separated by commas: files, or C1 to C4 as `spheres generate` makes them. What a "
+                     "frame of an orbit costs by each way of drawing, and how far it is from rays in double precision")
+        ->delimiter(',')
+        ->type_name("SETS");
+    command->add_option("--frames", arguments->orbit_frames, "Of the orbit around each set (180; 6 with --quick)")
+        ->check(CLI::Range(1, 10000));
     command->add_flag("--stability", arguments->stability,
                       "A table of stiff and extreme cases: what came out of each, against its bound");
     command->add_flag("--calibrate-machine", arguments->calibrate_machine,
@@ -268,12 +294,16 @@ void add_report_command(CLI::App& app, CommandContext& context) {
     command->add_flag("--quick", arguments->quick, "Fewer knobs and cheaper references: some seconds an effect");
     command->add_flag("--overwrite", arguments->overwrite, "Replace a report that exists");
     command->callback([arguments, &context] {
-        const bool reports = !arguments->scene.empty() || arguments->stability;
+        const bool reports = !arguments->scene.empty() || !arguments->spheres.empty() || arguments->stability;
         if (!reports && !arguments->calibrate_machine) {
-            throw CLI::RequiredError("SCENE.toml, --stability or --calibrate-machine");
+            throw CLI::RequiredError("SCENE.toml, --spheres, --stability or --calibrate-machine");
         }
         const bool needs_scene = arguments->track || !arguments->study.empty();
         if (needs_scene && arguments->scene.empty()) throw CLI::RequiredError("SCENE.toml");
+        if (!arguments->spheres.empty() && !arguments->scene.empty())
+            throw CLI::ExcludesError("--spheres", "SCENE.toml");
+        if (arguments->orbit_frames > 0 && arguments->spheres.empty())
+            throw CLI::RequiresError("--frames", "--spheres");
         if (arguments->track && !arguments->study.empty()) throw CLI::ExcludesError("--track", "--study");
         if (reports && arguments->output.empty()) throw CLI::RequiredError("--output");
         if (arguments->calibrate_machine) calibrate(*arguments, context);

@@ -7,7 +7,7 @@
 
 namespace matchlight {
 
-SphereView orbit_view(const Eigen::AlignedBox3d& bounds_m, const SphereOrbit& orbit, double turn, int side_px) {
+ReferenceView orbit_view(const Eigen::AlignedBox3d& bounds_m, const SphereOrbit& orbit, double turn, int side_px) {
     constexpr double elevation = 20 * std::numbers::pi / 180, angle = 40 * std::numbers::pi / 180;
     constexpr double least_reach_m = 1e-6;
     const bool is_empty = bounds_m.isEmpty();
@@ -16,7 +16,7 @@ SphereView orbit_view(const Eigen::AlignedBox3d& bounds_m, const SphereOrbit& or
     const double azimuth = 2 * std::numbers::pi * turn;
     const Eigen::Vector3d outward(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                                   std::sin(elevation));
-    SphereView view;
+    ReferenceView view;
     view.camera_from_world = camera_looking_along(middle_m + orbit.distance * reach_m * outward, -outward);
     const double focal_px = side_px / (2 * std::tan(angle / 2));
     view.pinhole = {.fx = focal_px,

@@ -23,6 +23,6 @@ inline const std::vector<SphereOrbit>& sphere_orbits() {
 
 /// `turn` 0..1 of the orbit; a square picture of `side_px`. The near plane is a thousandth of the box's half diagonal
 /// away, and no nearer than rounding lets a box of one point have one.
-SphereView orbit_view(const Eigen::AlignedBox3d& bounds_m, const SphereOrbit& orbit, double turn, int side_px);
+ReferenceView orbit_view(const Eigen::AlignedBox3d& bounds_m, const SphereOrbit& orbit, double turn, int side_px);
 
 }  // namespace matchlight

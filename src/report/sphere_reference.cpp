@@ -18,14 +18,14 @@ double place(int index, int side) {
     return (index + 0.5) / side - 0.5;
 }
 
-std::int64_t id_through(const SphereCaster& spheres, const SphereView& view, double x_px, double y_px) {
+std::int64_t id_through(const SphereCaster& spheres, const ReferenceView& view, double x_px, double y_px) {
     const auto hit = spheres.nearest(view.ray_through(x_px, y_px));
     return hit ? sphere_id(spheres, *hit) : no_sphere;
 }
 
 }  // namespace
 
-SphereRay SphereView::ray_through(double x_px, double y_px) const {
+SphereRay ReferenceView::ray_through(double x_px, double y_px) const {
     const RigidTransform world_from_camera = camera_from_world.inverse();
     SphereRay ray;
     ray.origin_m = world_from_camera.translation();
@@ -58,7 +58,7 @@ std::int64_t sphere_id(const SphereCaster& spheres, const SphereHit& hit) {
     return before + hit.sphere;
 }
 
-SpherePicture reference_picture(const SphereCaster& spheres, const SphereView& view) {
+SpherePicture reference_picture(const SphereCaster& spheres, const ReferenceView& view) {
     SpherePicture picture{Image<std::int64_t>(view.width(), view.height(), 1, no_sphere),
                           Image<double>(view.width(), view.height(), 1, std::numeric_limits<double>::infinity())};
     parallel_for(view.height(), [&](int y) {
@@ -72,7 +72,7 @@ SpherePicture reference_picture(const SphereCaster& spheres, const SphereView& v
     return picture;
 }
 
-std::vector<SphereShare> reference_coverage(const SphereCaster& spheres, const SphereView& view, int x, int y,
+std::vector<SphereShare> reference_coverage(const SphereCaster& spheres, const ReferenceView& view, int x, int y,
                                             int side) {
     assert(side > 0);
     std::vector<std::int64_t> ids;
@@ -90,7 +90,7 @@ std::vector<SphereShare> reference_coverage(const SphereCaster& spheres, const S
     return shares;
 }
 
-bool is_sphere_edge(const SphereCaster& spheres, const SphereView& view, int x, int y, const EdgeTest& test) {
+bool is_sphere_edge(const SphereCaster& spheres, const ReferenceView& view, int x, int y, const EdgeTest& test) {
     assert(test.side > 1);
     const int side = test.side;
     const double spread = (1 + 2 * test.margin_px) * side / (side - 1);
@@ -102,7 +102,7 @@ bool is_sphere_edge(const SphereCaster& spheres, const SphereView& view, int x, 
     return false;
 }
 
-ImageF reference_opaque(const SphereCaster& spheres, const SphereView& view, int side, const SphereLight& light) {
+ImageF reference_opaque(const SphereCaster& spheres, const ReferenceView& view, int side, const SphereLight& light) {
     ImageF picture(view.width(), view.height(), 4);
     parallel_for(view.height(), [&](int y) {
         for (int x = 0; x < view.width(); ++x) {

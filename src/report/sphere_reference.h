@@ -16,7 +16,7 @@ namespace matchlight {
 
 /// A pinhole: nothing nearer than `pinhole.near_m` along the camera's axis is seen, so that a sphere that it cuts open
 /// shows its inside.
-struct SphereView {
+struct ReferenceView {
     RigidTransform camera_from_world = RigidTransform::Identity();
     PinholeView pinhole;
 
@@ -52,7 +52,7 @@ struct SpherePicture {
     /// As the depth buffer has it, reversed: near / depth.
     double reversed_depth(int x, int y, double near_m) const { return near_m / depth_m.at(x, y); }
 };
-SpherePicture reference_picture(const SphereCaster& spheres, const SphereView& view);
+SpherePicture reference_picture(const SphereCaster& spheres, const ReferenceView& view);
 
 /// The share of a pixel's square that shows a sphere, of `side` × `side` places in it.
 struct SphereShare {
@@ -60,7 +60,7 @@ struct SphereShare {
     double share = 0;
 };
 /// By id; shares sum to 1.
-std::vector<SphereShare> reference_coverage(const SphereCaster& spheres, const SphereView& view, int x, int y,
+std::vector<SphereShare> reference_coverage(const SphereCaster& spheres, const ReferenceView& view, int x, int y,
                                             int side);
 
 /// Whether a pixel shows more than one thing (a silhouette, a seam where spheres meet) or comes within `margin_px` of
@@ -69,10 +69,10 @@ struct EdgeTest {
     int side = 4;
     double margin_px = 0;
 };
-bool is_sphere_edge(const SphereCaster& spheres, const SphereView& view, int x, int y, const EdgeTest& test);
+bool is_sphere_edge(const SphereCaster& spheres, const ReferenceView& view, int x, int y, const EdgeTest& test);
 
 /// RGB and the share that spheres cover, the mean of `side` × `side` places a pixel; light is premultiplied.
-ImageF reference_opaque(const SphereCaster& spheres, const SphereView& view, int side, const SphereLight& light);
+ImageF reference_opaque(const SphereCaster& spheres, const ReferenceView& view, int side, const SphereLight& light);
 
 /// Every sphere that the ray meets, nearest first.
 std::vector<TransparentLayer> reference_layers(const SphereCaster& spheres, const SphereRay& ray,

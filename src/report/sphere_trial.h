@@ -15,7 +15,7 @@ namespace matchlight {
 /// One way to draw a set.
 struct SphereWay {
     std::string name;
-    std::function<void(const SphereView&)> draw;     // what is timed
+    std::function<void(const ReferenceView&)> draw;  // what is timed
     std::function<std::vector<Knob>()> beside = {};  // of the last draw; may be empty
 };
 
@@ -27,19 +27,20 @@ struct SpherePart {
 
 /// Draws every way once untimed, then all in turn at each view, `repeats` times; of repeats a view's median counts. The
 /// rows lack only what they are of. Needs a current context. Throws InputError when stopped.
-std::vector<SphereStudyRow> time_over_views(const SpherePart& part, std::span<const SphereView> views, int repeats);
+std::vector<SphereStudyRow> time_over_views(const SpherePart& part, std::span<const ReferenceView> views, int repeats);
 
 /// An opaque picture: scene-linear, premultiplied, RGBA with coverage.
-using DrawnSpheres = std::function<ImageF(const SphereView&)>;
+using DrawnSpheres = std::function<ImageF(const ReferenceView&)>;
 
 struct SphereCheckOptions {
     int stride_px = 4;       // every so many pixels of every so many rows are compared
     int coverage_side = 16;  // places a pixel, squared
+    int drawn_side = 4;      // pixels that are drawn along a pixel's side for the coverage at edges
     /// Pixels this near to an edge count as on it: what float rounding of a ray may miss.
     double margin_px = 0.02;
 };
 /// The row lacks only what it is of. Codes are sRGB's.
-SphereCheckRow check_against_rays(const SphereCaster& spheres, std::span<const SphereView> views,
+SphereCheckRow check_against_rays(const SphereCaster& spheres, std::span<const ReferenceView> views,
                                   const DrawnSpheres& drawn, const SphereLight& light,
                                   const SphereCheckOptions& options);
 

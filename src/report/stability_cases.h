@@ -61,6 +61,8 @@ std::vector<StabilityCase> exposure_cases();
 std::vector<StabilityCase> ball_cases(bool quick);
 /// The picture of the real surface from the clip: on the CPU.
 std::vector<StabilityCase> surface_picture_cases();
+/// Sphere sets on the GPU against rays in double precision: a context must be current where they run.
+std::vector<StabilityCase> sphere_cases();
 /// All of them; `quick` leaves out most of the slow ones.
 std::vector<StabilityCase> stability_cases(bool quick = false);
 

@@ -300,5 +300,49 @@ TEST_F(ReportTest, RefusesWrongCalls) {
     }
 }
 
+TEST_F(ReportTest, SphereSetsAreMeasuredOverOrbits) {
+    const fs::path few = scratch_.write("few.csv", "x,y,z,radius\n0,0,0,0.5\n0.6,0,0,0.4\n0,0.7,0.2,0.3\n");
+    const fs::path folder = scratch_ / "report";
+    RunOptions options;
+    options.timeout = std::chrono::seconds(280);
+    const RunResult result =
+        run_matchlight({"report", "--spheres", few, "-o", folder, "--quick", "--frames", "2", "--json"}, options);
+    ASSERT_TRUE(succeeded(result));
+    const json written = json::parse(bytes_of(folder / "report.json"));
+    EXPECT_EQ(written, json::parse(result.standard_output));
+    EXPECT_EQ(written["scene"], "few");
+    std::map<std::string, int> ways;
+    for (const json& way : written["sphere_study"]["ways"]) {
+        ++ways[way["part"]];
+        EXPECT_EQ(way["set"], "few");
+        EXPECT_EQ(way["spheres"], 3);
+        EXPECT_GT(way["ms_median"], 0);
+    }
+    EXPECT_EQ(ways, (std::map<std::string, int>{{"visibility", 6}, {"light", 4}, {"layers", 2}, {"peeling", 3}}));
+    ASSERT_EQ(written["sphere_study"]["checks"].size(), 2U);
+    for (const json& check : written["sphere_study"]["checks"]) {
+        EXPECT_GT(check["pixels"], 1000);
+        EXPECT_LE(check["largest_codes"], 1);
+    }
+    // What stopping early leaves out is at most half the tolerance of 8, in the codes that it is meant for.
+    for (const json& way : written["sphere_study"]["ways"]) {
+        if (way["way"] == "t = 8") {
+            EXPECT_LE(way["beside"]["srgb_codes_left"], 4);
+        }
+    }
+    EXPECT_EQ(written["effects"]["transparency of few"]["points"].size(), 3U);
+    EXPECT_NE(bytes_of(folder / "report.html").find("<svg"), std::string::npos);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 3);
+}
+
+TEST_F(ReportTest, SphereSetsThatAreNotThereLeaveNothingBehind) {
+    const fs::path folder = scratch_ / "report";
+    EXPECT_TRUE(
+        failed_naming(run_matchlight({"report", "--spheres", scratch_ / "none.ply", "-o", folder}), {"none.ply"}));
+    EXPECT_FALSE(fs::exists(folder));
+    EXPECT_TRUE(refused_call(run_matchlight({"report", scene_, "--spheres", "C1", "-o", folder})));
+    EXPECT_TRUE(refused_call(run_matchlight({"report", scene_, "--frames", "3", "-o", folder})));
+}
+
 }  // namespace
 }  // namespace matchlight::test

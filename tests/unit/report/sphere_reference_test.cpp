@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 constexpr double focal_px = 120;
 
 /// At the world's origin, looking along +z, x to the right and y down.
-SphereView view_of(int width, int height) {
-    SphereView view;
+ReferenceView view_of(int width, int height) {
+    ReferenceView view;
     view.pinhole = {.fx = focal_px,
                     .fy = focal_px,
                     .cx = (width - 1) / 2.0,
@@ -44,7 +44,7 @@ Vector3d white(const SpherePoint&) {
 }
 
 TEST(SphereReference, ASpheresPictureHasTheEllipsesArea) {
-    const SphereView view = view_of(141, 141);
+    const ReferenceView view = view_of(141, 141);
     for (const Vector3d& centre : {Vector3d(0, 0, 4), Vector3d(1, -0.5, 4), Vector3d(0.5, 0.25, 2)}) {
         const double radius = 0.5;
         const SphereSet set =
@@ -65,7 +65,7 @@ TEST(SphereReference, ASpheresPictureHasTheEllipsesArea) {
 
 TEST(SphereReference, DepthIsAlongTheAxisOfTheCamera) {
     const SphereSet set = set_of({{{0, 0, 4}, 0.5F}});
-    SphereView view = view_of(101, 101);
+    ReferenceView view = view_of(101, 101);
     const SpherePicture picture = reference_picture(caster_of(set), view);
     EXPECT_EQ(picture.ids.at(50, 50), 0);
     EXPECT_NEAR(picture.depth_m.at(50, 50), 3.5, 1e-14);
@@ -78,7 +78,7 @@ TEST(SphereReference, DepthIsAlongTheAxisOfTheCamera) {
 }
 
 TEST(SphereReference, SeesAsTheProjectionOfTransformsDoes) {
-    SphereView view = view_of(64, 48);
+    ReferenceView view = view_of(64, 48);
     view.camera_from_world = camera_looking_along({1, -3, 2}, Vector3d(-0.2, 0.9, -0.5).normalized());
     view.pinhole.origin_x = 7;
     view.pinhole.origin_y = -3;
@@ -95,7 +95,7 @@ TEST(SphereReference, SeesAsTheProjectionOfTransformsDoes) {
 
 TEST(SphereReference, SpheresMeetInACircleAndHideWhatIsInside) {
     // Side by side and alike, they meet in the plane between them.
-    const SphereView view = view_of(100, 81);
+    const ReferenceView view = view_of(100, 81);
     const SphereSet alike = set_of({{{-0.3F, 0, 3}, 0.5F}, {{0.3F, 0, 3}, 0.5F}});
     const SpherePicture picture = reference_picture(caster_of(alike), view);
     for (int y = 35; y < 46; ++y) {
@@ -133,7 +133,7 @@ TEST(SphereReference, CoverageOfAStraightEdgeIsItsShare) {
     // A sphere so large that its outline is straight over a pixel: its left end lies on the axis of the camera.
     constexpr double radius = 1e4, depth = 3e4;
     const double tangent = radius / std::sqrt(depth * depth - radius * radius);
-    SphereView view = view_of(21, 21);
+    ReferenceView view = view_of(21, 21);
     const SphereSet set = set_of({{{0, 0, static_cast<float>(depth)}, static_cast<float>(radius)}});
     const SphereCaster caster = caster_of(set);
     for (const double share : {0.1, 0.5, 0.8}) {
@@ -150,7 +150,7 @@ TEST(SphereReference, CoverageOfAStraightEdgeIsItsShare) {
 }
 
 TEST(SphereReference, EdgesAreSilhouettesAndSeams) {
-    const SphereView view = view_of(100, 81);
+    const ReferenceView view = view_of(100, 81);
     const SphereSet set = set_of({{{-0.3F, 0, 3}, 0.5F}, {{0.3F, 0, 3}, 0.5F}});
     const SphereCaster caster = caster_of(set);
     const auto is_edge = [&](int x, double margin_px) { return is_sphere_edge(caster, view, x, 40, {4, margin_px}); };

@@ -61,7 +61,7 @@ TEST(SphereOrbit, SeesTheMiddleOfTheBoxAndAllOfIt) {
     const Eigen::AlignedBox3d box(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(2, 4, 7));
     const double reach = box.diagonal().norm() / 2;
     for (const double turn : {0.0, 0.3, 0.75}) {
-        const SphereView view = orbit_view(box, {"whole", 3}, turn, 1024);
+        const ReferenceView view = orbit_view(box, {"whole", 3}, turn, 1024);
         const Eigen::Vector3d middle = view.camera_from_world * box.center();
         EXPECT_LT((middle - Eigen::Vector3d(0, 0, 3 * reach)).norm(), 1e-12 * reach);
         for (int i = 0; i < 8; ++i) {
@@ -79,7 +79,7 @@ TEST(SphereOrbit, SeesTheMiddleOfTheBoxAndAllOfIt) {
 
 TEST(SphereOrbit, OfOnePointAndOfNothingHasACamera) {
     for (const Eigen::AlignedBox3d& box : {Eigen::AlignedBox3d(Eigen::Vector3d(1, 1, 1)), Eigen::AlignedBox3d()}) {
-        const SphereView view = orbit_view(box, {"whole", 3}, 0.1, 64);
+        const ReferenceView view = orbit_view(box, {"whole", 3}, 0.1, 64);
         EXPECT_TRUE(view.camera_from_world.matrix().allFinite());
         EXPECT_GT(view.pinhole.near_m, 0);
     }

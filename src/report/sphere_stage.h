@@ -1,0 +1,45 @@
+// A sphere set on the GPU under plain light, drawn from any view: what its measurements are taken from.
+#pragma once
+
+#include <vector>
+
+#include "core/image.h"
+#include "gl/shader_library.h"
+#include "render/environment.h"
+#include "render/surface.h"
+#include "report/sphere_reference.h"
+#include "report/sphere_trial.h"
+#include "scene/sphere_set.h"
+
+namespace matchlight {
+
+/// Spheres are grey and matt, under light that grows evenly from below to above: three and more harmonics would only
+/// measure the light.
+class SphereStage {
+public:
+    /// Neither is needed afterwards. Needs a current context, as everything here.
+    explicit SphereStage(const SphereSet& set);
+
+    void draw(const ReferenceView& view, const SphereVisibility& visibility);
+    /// Of the last draw: RGBA, premultiplied.
+    ImageF picture() const;
+    /// Which spheres are seen alone, without light; waits for nothing.
+    void see(const ReferenceView& view, const SphereVisibility& visibility);
+    std::vector<Knob> drawn_cells();
+    /// Where spheres let light through: how they are peeled from now on, and how many layers the last draw took.
+    void set_peeling(double residual, int most_layers) { renderer_.set_peeling(residual, most_layers); }
+    int peeled_layers() const { return renderer_.peeled_layers(); }
+    /// No point of any sphere sends more.
+    double most_light() const;
+
+    /// What the reference gives a point of it.
+    Eigen::Vector3d light_of(const SpherePoint& point) const;
+
+private:
+    ShaderLibrary shaders_;
+    Environment environment_;
+    SurfaceRenderer renderer_;
+    SurfacePicture drawn_;
+};
+
+}  // namespace matchlight
