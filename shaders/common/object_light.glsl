@@ -7,11 +7,12 @@ uniform samplerBuffer ray_emission;
 uniform int ray_bounces;   // mirrors within mirrors that are followed
 
 // Along a ray from `from`, whose lobe has `roughness`; without `beyond_objects` only what an object sends or mirrors.
-vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects) {
+vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects, out bool meets_object) {
     const float farthest = 3.4e38;
     const float least_share = 0.005;   // what is left of a ray that many mirrors took from
     vec3 light = vec3(0.0);
     vec3 share = vec3(1.0);
+    meets_object = false;
     for (int bounce = 0; bounce <= ray_bounces; ++bounce) {
         RayHit hit = RayHit(farthest, -1, 0, vec2(0.0));
         if (any(greaterThan(share, vec3(least_share)))) {
@@ -30,6 +31,7 @@ vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects
                 light += share * reflected_radiance(surface_is_near != 0 ? normalize(seen) : direction, roughness);
             break;
         }
+        meets_object = true;
         RaySurface surface = surface_at(hit, direction);
         // Light is kept for the side of the normals; what arrives behind a sheet is not known, and taken as none.
         for (int i = 0; i < 3; ++i) {
@@ -44,4 +46,9 @@ vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects
         roughness = min(sqrt(sqrt(pow(roughness, 4.0) + pow(surface.roughness, 4.0))), 1.0);
     }
     return light;
+}
+
+vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects) {
+    bool meets_object;
+    return light_along(from, direction, roughness, beyond_objects, meets_object);
 }

@@ -1,7 +1,8 @@
 #version 450 core
 // One plate region: real light, dimmed where virtual objects stand in it, under the virtual layer, back in code values.
 //
-// linear = plate · shadow ratio · (1 − α) + virtual · gain (Porter & Duff 1984, "Compositing Digital Images", over).
+// linear = (plate · shadow ratio + what the surface mirrors of objects) · (1 − α) + virtual · gain (Porter & Duff 1984,
+// "Compositing Digital Images", over).
 
 #include "common/graph.glsl"
 #include "common/lens_map.glsl"
@@ -39,6 +40,10 @@ uniform sampler2D real_inverse_depth;  // 1/m along the camera's z, over the fra
 uniform sampler2D matte;             // share of the pixel that is real and in front of everything virtual
 #endif
 
+#ifdef REFLECTION
+#include "composite/reflection.glsl"
+#endif
+
 #ifdef UNCLIPPED
 // Of clipped pixels: plate-linear light as other frames know it, before any gain of ours, and how well; a = 0 elsewhere.
 uniform sampler2D unclipped_light;
@@ -58,6 +63,9 @@ layout(location = 0) out vec4 composited_code;    // a = 1 where the pixel was t
 #endif
 #ifdef PLATE_SHARE
 layout(location = PLATE_SHARE) out vec4 plate_share;  // of the plate's light in `light_after`, with its noise
+#endif
+#ifdef REFLECTION_LAYER
+layout(location = REFLECTION_LAYER) out vec4 reflection_layer;  // rgb = light, signed
 #endif
 #ifdef WRITE_LAYERS
 layout(location = 2) out vec4 shadow_layer;       // rgb = ratio
@@ -96,15 +104,18 @@ void main() {
     if (reached && shadow_present != 0) ratio = visible_shadow(normalized);
 #endif
 
+    float surface_share = 1.0;  // of the pixel: the rest is something before the surface
 #ifdef REAL_DEPTH
     // What is nearer than the surface is not the surface. Depths are good to a percent or so: not by less than that.
     float nearer = texelFetch(real_inverse_depth, ivec2(pixel), 0).r * surface_distance_m(normalized);
-    ratio = mix(ratio, vec3(1.0), smoothstep(1.01, 1.03, nearer));
+    surface_share = 1.0 - smoothstep(1.01, 1.03, nearer);
+    ratio = mix(vec3(1.0), ratio, surface_share);
 #endif
 #ifdef HOLDOUTS
     // Their own shadow in place of the surface's behind them.
     vec4 holdout = fetch_or_zero(holdouts, holdouts_region, ivec2(pixel));
     if (holdout.a > 0.0) {
+        surface_share *= max(1.0 - holdout.a, 0.0);
         ratio = ratio * max(1.0 - holdout.a, 0.0) + holdout.rgb;
         if (all(greaterThan(ratio, vec3(1.0 - max(least_visible_loss, 1e-6))))) ratio = vec3(1.0);
     }
@@ -115,6 +126,7 @@ void main() {
     float in_front = texelFetch(matte, in_region, 0).r;
     virtual_light *= 1.0 - in_front;
     coverage *= 1.0 - in_front;
+    surface_share *= 1.0 - in_front;
     ratio = mix(ratio, vec3(1.0), in_front);
 #endif
 
@@ -134,6 +146,10 @@ void main() {
     if (any(lessThan(ratio, vec3(1.0)))) plate_linear = max(plate_linear, mix(plate_linear, known.rgb * plate_gain, share));
 #endif
     vec3 linear = plate_linear * ratio * (1.0 - coverage) + virtual_light.rgb * gain * falloff;
+#ifdef REFLECTION
+    vec3 mirrored = surface_share * mirrored_change(in_region, plate_linear, ratio, gain * falloff) * (1.0 - coverage);
+    linear = max(linear + mirrored, vec3(0.0));  // rounding alone can bring it below
+#endif
 #ifdef NO_FOOTAGE
     vec3 kept = vec3(0.0);  // a background has no noise of its own
 #else
@@ -141,6 +157,9 @@ void main() {
 #endif
     bool touched = any(greaterThan(coverage, vec3(0.0))) || any(greaterThan(virtual_light.rgb, vec3(0.0))) || any(notEqual(ratio, vec3(1.0))) ||
                    white_light > 0.0;
+#ifdef REFLECTION
+    touched = touched || any(notEqual(mirrored, vec3(0.0)));
+#endif
 #ifdef NO_FOOTAGE
     touched = true;  // no pixel has been anyone's before
 #endif
@@ -155,6 +174,9 @@ void main() {
     linear = with_grain(linear, plate_linear, kept);
 #endif
     composited_code = touched ? vec4(code_from_linear(toned(linear)), 1.0) : vec4(code, 0.0);
+#endif
+#ifdef REFLECTION_LAYER
+    reflection_layer = vec4(mirrored, 0.0);
 #endif
 #ifdef WRITE_LAYERS
     shadow_layer = vec4(ratio, 1.0);

@@ -20,6 +20,7 @@ constexpr float even_light = 0.5f;
 constexpr const char* contact_pass = "shadow/contact";
 constexpr const char* between_pass = "shadow/between objects";
 constexpr const char* bounce_pass = "light/bounced";
+constexpr const char* reflection_pass = "surface reflection";
 
 Probe even_probe() {
     Probe probe;
@@ -102,6 +103,41 @@ void ClipLight::bind_shading(Program& program) const {
         program.bind_texture("shadow_fine", unit, no_shadow_);
         program.bind_texture("shadow_far", unit + 1, no_shadow_);
     }
+}
+
+std::optional<MirrorReach> ClipLight::mirror_reach() const {
+    const Eigen::AlignedBox3d objects_m = surfaces_.virtual_bounds_m();
+    if (surface_.reflection == 0 || !surface_.present || !shading_.traces_rays || objects_m.isEmpty())
+        return std::nullopt;
+    return MirrorReach{objects_m, surface_.z_m, lobe_reach(surface_.reflection_roughness)};
+}
+
+SurfaceReflection ClipLight::add_reflection(RenderGraph& graph, const MirrorView& view) const {
+    const auto leave_out = [&](const char* why) {
+        graph.leave_out(reflection_pass, why);
+        return SurfaceReflection{};
+    };
+    if ((surface_.reflection == 0 || !surface_.present) && graph.leaves_out())
+        return leave_out("the scene's surface mirrors no objects");
+    if (quality_.reflection.level != ReflectionLevel::rays) return leave_out("this quality level traces no rays");
+    const Eigen::AlignedBox3d objects_m = surfaces_.virtual_bounds_m();
+    if (!shading_.traces_rays || objects_m.isEmpty()) return leave_out("rays meet no object");
+    return add_surface_reflection(graph, shaders_,
+                                  {.reflectance = surface_.present ? surface_.reflection : 0,
+                                   .roughness = surface_.reflection_roughness,
+                                   .rays = quality_.reflection.surface_rays},
+                                  {.objects_m = objects_m,
+                                   .z_m = surface_.z_m,
+                                   .camera_from_world = view.camera_from_world,
+                                   .region = view.region,
+                                   .runs = view.runs,
+                                   .light = view.light,
+                                   .bind_light =
+                                       [this](Program& program) {
+                                           environment_->bind(program);
+                                           shading_.bind(program);
+                                       },
+                                   .bind_lens = view.bind_lens});
 }
 
 std::vector<PassInput> ClipLight::add_passes(RenderGraph& graph) {

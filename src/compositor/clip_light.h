@@ -1,16 +1,19 @@
 // The light that a whole clip shares: its maps are made once, those of shadows anew where objects move.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "compositor/quality.h"
+#include "compositor/reach.h"
 #include "compositor/scene_objects.h"
 #include "core/warnings.h"
 #include "render/effects/contact_shadow.h"
 #include "render/effects/object_shadow.h"
+#include "render/effects/surface_reflection.h"
 #include "render/environment.h"
 #include "render/graph.h"
 #include "render/surface.h"
@@ -41,6 +44,17 @@ public:
     const Environment& environment() const { return *environment_; }
     const std::optional<ContactShadow>& contact_shadow() const { return contact_shadow_; }
     const SurfaceShading& shading() const { return shading_; }
+    /// What the real surface mirrors of the objects; nullopt where it mirrors none, or no rays are traced.
+    std::optional<MirrorReach> mirror_reach() const;
+    /// The pass that draws it over the runs of a region, after `light` (of add_passes()); empty where it is left out.
+    struct MirrorView {
+        RigidTransform camera_from_world = RigidTransform::Identity();
+        Region region;
+        std::vector<Region> runs;
+        std::vector<PassInput> light;
+        std::function<void(Program&, GLuint)> bind_lens;
+    };
+    SurfaceReflection add_reflection(RenderGraph& graph, const MirrorView& view) const;
 
 private:
     ShadowCasters casters();

@@ -29,10 +29,14 @@ ImageF response_table(const Response& response, int bit_depth) {
     return table;
 }
 
-/// A budget's table does not know what rays take: it leaves them out.
-Quality chosen_quality(const CompositorOptions& options) {
-    const Quality quality = options.settings.value_or(quality_of(options.quality));
-    return options.budget ? without_rays(quality) : quality;
+/// A budget's table does not know what rays take: it leaves them out, unless the scene asks for them.
+Quality chosen_quality(const CompositorOptions& options, const Scene& scene, Warnings& warnings) {
+    if (options.settings) return options.budget ? without_rays(*options.settings) : *options.settings;
+    const Quality of_level = quality_of(options.quality);
+    const Quality quality = with_choices_of(scene, options.budget ? without_rays(of_level) : of_level);
+    if (scene.bounce && *scene.bounce && quality.reflection.level != ReflectionLevel::rays)
+        warnings.add(scene.path.string() + ": no light bounces without rays: set [quality] reflections = \"rays\"");
+    return quality;
 }
 
 }  // namespace
@@ -42,7 +46,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
     : context(gl_context),
       solve(with_overscan(the_solve, the_options.overscan)),
       options(the_options),
-      quality(chosen_quality(the_options)),
+      quality(chosen_quality(the_options, scene, the_warnings)),
       warnings(the_warnings),
       surfaces(shaders),
       scene_focus(scene, solve.camera, surfaces),

@@ -38,7 +38,7 @@ struct LayerLight {
 /// plate-linear (the response's inverse of the code values), depth in metres along the camera's axis (0 = nothing
 /// there), normals in world axes.
 ///
-///     beauty = plate · shadow · (1 − coverage) + virtual + spill + grain
+///     beauty = plate · shadow · (1 − coverage) + reflection + virtual + spill + grain
 struct FrameLayers {
     Region region;
     ImageF beauty;        // RGB
@@ -47,13 +47,14 @@ struct FrameLayers {
     ImageF normal;        // 3 channels
     ImageF shadow;        // RGB ratio
     ImageF object_id;     // 1 channel; 0 = nothing, 1 = the scene's first object
+    ImageF reflection;    // RGB that the real surface mirrors of objects less what they cover there; empty: none
     ImageF virtual_rgba;  // the virtual layer alone: premultiplied plate-linear light and alpha
     ImageF background;    // RGB, in place of the plate in scenes without footage; else empty
     ImageF plate;         // RGB light of footage or background as it was composited: exposed anew where that is asked
     ImageF coverage;      // RGB where the lens parts the channels; empty: alpha in all of them
     ImageF spill;         // RGB that the camera's effects add or take away; empty: none
     ImageF grain;         // RGB noise; empty: none
-    ImageF clipped;       // 1 channel: 1 where the plate under a shadow is known only from below; empty: nowhere
+    ImageF clipped;  // 1 channel, under a shadow: 1 = known only from below, ½ = by its neighbours' colour; empty: 0
     LayerLight light;
     // With CompositorOptions::exchange; else empty.
     ImageF motion;  // 4 channels, pixels to the right and up: to the next frame, to the previous one

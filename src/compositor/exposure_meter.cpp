@@ -114,6 +114,8 @@ Scene scene_of_meter(const Scene& scene) {
     constexpr int longest_side_px = 256;
     Scene metered = scene;
     metered.effects = {};
+    metered.reflections.reset();
+    metered.bounce.reset();
     if (!metered.camera) return metered;
     CameraSettings& camera = *metered.camera;
     camera.exposure_ev = 0;

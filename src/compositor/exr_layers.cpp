@@ -148,18 +148,20 @@ void write_exr_layers(const std::filesystem::path& path, const CompositedFrame& 
     file.parts().front().metadata["matchlight:footage_from_rec709"] =
         three_numbers(footage.row(0)) + " " + three_numbers(footage.row(1)) + " " + three_numbers(footage.row(2));
     file.parts().front().metadata["matchlight:formula"] =
-        "beauty = plate * shadow * (1 - coverage) + virtual + spill + grain";
+        "beauty = plate * shadow * (1 - coverage) + reflection + virtual + spill + grain";
     file.add_light("plate", plate, true);
     file.add_data("shadow", {"R", "G", "B"}, shadow, "ratio of the surface's light that is left").data_window = picture;
     file.add_data("alpha", {"A"}, layers.alpha, "coverage");
     file.add_light("virtual", layers.virtual_rgba, false);
     file.parts().back().channels = {"R", "G", "B", "A"};
     file.add_data("coverage", {"R", "G", "B"}, coverage, "coverage of each channel");
+    file.add_light("reflection", layers.reflection.empty() ? nothing : layers.reflection, false);
     file.add_light("spill", layers.spill.empty() ? nothing : layers.spill, false);
     file.add_light("grain", layers.grain.empty() ? nothing : layers.grain, false);
     const ImageF unclipped(layers.region.width, layers.region.height, 1);
     file.add_data("clipped", {"Y"}, layers.clipped.empty() ? unclipped : layers.clipped,
-                  "1 where the plate under a shadow is clipped, and known only from below");
+                  "1 where the plate under a shadow is clipped, and known only from below; 0.5 where it has its "
+                  "neighbours' colour");
     file.add_data("depth", {"Z"}, layers.depth, "metres along the camera's axis, 0 = nothing").half = false;
     file.add_data("normal", {"X", "Y", "Z"}, layers.normal, "unit vector in world axes, z up");
     const ImageF still(layers.region.width, layers.region.height, 4);

@@ -16,9 +16,9 @@ struct ExrOrigin {
     std::string provenance;  // effective scene, version
 };
 
-/// Parts beauty, plate, shadow, alpha, virtual, coverage, spill, grain, clipped, depth, normal, motion, object_id,
-/// CryptoObject, CryptoMaterial, of which
-///     beauty = plate · shadow · (1 − coverage) + virtual + spill + grain
+/// Parts beauty, plate, shadow, alpha, virtual, coverage, reflection, spill, grain, clipped, depth, normal, motion,
+/// object_id, CryptoObject, CryptoMaterial, of which
+///     beauty = plate · shadow · (1 − coverage) + reflection + virtual + spill + grain
 /// in camera-linear light, and the code values of a picture are response(tone(beauty)). Each part's header says its
 /// unit, and how its light goes with the probe's. Throws InputError.
 void write_exr_layers(const std::filesystem::path& path, const CompositedFrame& frame, const Compositor& compositor,

@@ -31,23 +31,6 @@ ImageF code_of_runs(const PlateFrame& plate, const Region& region, const std::ve
     return code;
 }
 
-ImageF channels_of(const ImageF& image, int first, int count) {
-    ImageF part(image.width(), image.height(), count);
-    for (int y = 0; y < image.height(); ++y) {
-        for (int x = 0; x < image.width(); ++x) {
-            for (int c = 0; c < count; ++c) part.at(x, y, c) = image.at(x, y, first + c);
-        }
-    }
-    return part;
-}
-
-void put_channels(ImageF& image, int first, const ImageF& part) {
-    for (int y = 0; y < image.height(); ++y) {
-        for (int x = 0; x < image.width(); ++x)
-            std::copy_n(part.pixel(x, y), part.channels(), image.pixel(x, y) + first);
-    }
-}
-
 /// Takes over what was read back (RGB, a = 1 where touched), for a result that covers `region` or more.
 void take_code(CompositedFrame& result, const ImageF& read, const Region& region) {
     const int left = region.x - result.reach.x, top = region.y - result.reach.y;
@@ -61,16 +44,6 @@ void take_code(CompositedFrame& result, const ImageF& read, const Region& region
     });
 }
 
-/// Takes away what is behind something real.
-void hide_behind(const ImageF& matte, const Region& region, ImageF& coverage) {
-    for (int y = 0; y < region.height; ++y) {
-        for (int x = 0; x < region.width; ++x) {
-            for (int c = 0; c < coverage.channels(); ++c)
-                coverage.at(x, y, c) *= 1 - matte.at(region.x + x, region.y + y);
-        }
-    }
-}
-
 GraphTexture add_inverse_depth(RenderGraph& graph, const ImageF& inverse_depth) {
     const Region frame = graph.frame();
     return graph.add_pass({.name = "real depth/upload",
@@ -81,22 +54,6 @@ GraphTexture add_inverse_depth(RenderGraph& graph, const ImageF& inverse_depth) 
                            .draw = [&inverse_depth, frame](PassRun& run) {
                                run.upload({0, 0, frame.width, frame.height}, inverse_depth.samples());
                            }})[0];
-}
-
-/// What is left of the picture when all else that it is made of is taken away.
-ImageF noise_of(const FrameLayers& layers) {
-    ImageF noise = layers.beauty;
-    parallel_for(noise.height(), [&](int y) {
-        for (int x = 0; x < noise.width(); ++x) {
-            for (int c = 0; c < 3; ++c) {
-                const float coverage = layers.coverage.empty() ? layers.alpha.at(x, y) : layers.coverage.at(x, y, c);
-                const float spill = layers.spill.empty() ? 0 : layers.spill.at(x, y, c);
-                noise.at(x, y, c) -= layers.plate.at(x, y, c) * layers.shadow.at(x, y, c) * (1 - coverage) +
-                                     layers.virtual_rgba.at(x, y, c) + spill;
-            }
-        }
-    });
-    return noise;
 }
 
 /// The result over a larger region: the plate's codes and untouched where it was not before.
@@ -137,7 +94,7 @@ double half_code(const PlateFormat& format) {
 }
 
 CompositeInput FramePasses::composite_input(const ImageF& plate_code, const Region& region,
-                                            const std::vector<Region>& runs) const {
+                                            const std::vector<Region>& runs) {
     CompositeInput input;
     input.plate_code = &plate_code;
     input.region = region;
@@ -150,21 +107,34 @@ CompositeInput FramePasses::composite_input(const ImageF& plate_code, const Regi
     input.inverse_depth = inverse_depth_;
     input.matte = plan_.matte.empty() ? nullptr : &plan_.matte;
     input.optics = plan_.optics;
+    if (plan_.posed) {
+        input.reflection = resources_.light.add_reflection(
+            resources_.graph,
+            {.camera_from_world = plan_.optics.camera_from_world,
+             .region = region,
+             .runs = runs,
+             .light = light_drawn_,
+             .bind_lens = [this](Program& program, GLuint unit) { resources_.composite.set_lens(program, unit); }});
+    }
     return input;
 }
 
 void FramePasses::take_unclipped(CompositeInput& input, CompositedFrame& result) {
     if (background_ || !plan_.in_shadow || input.shadow == nullptr) return;
-    clipped_plate_ = unclip_plate(*input.plate_code, input.region, input.runs,
-                                  {.gathered = resources_.gathered,
-                                   .surface_z_m = input.shadow->surface_z_m,
-                                   .optics = plan_.optics,
-                                   .lens_map = resources_.lens_map,
-                                   .in_shadow = plan_.in_shadow});
+    clipped_plate_ = unclip_plate(
+        *input.plate_code, input.region, input.runs,
+        {.gathered = resources_.gathered,
+         .surface_z_m = input.shadow->surface_z_m,
+         .optics = plan_.optics,
+         .lens_map = resources_.lens_map,
+         .in_shadow = plan_.in_shadow,
+         .light_from_code = [this](float code,
+                                   int channel) { return resources_.composite.linear_from_code(code, channel); },
+         .rec709_from_footage = rec709_from(result.plate.format().primaries)});
     result.clipped_under_shadow = clipped_plate_.bounds;
     if (clipped_plate_.known.empty()) {
         resources_.graph.leave_out("plate/unclipped",
-                                   "no clipped pixel under a shadow is better known by other frames");
+                                   "no clipped pixel under a shadow is better known by other frames or its neighbours");
         return;
     }
     input.unclipped = &clipped_plate_.known;
@@ -373,8 +343,8 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
         graph.output(spill);
         graph.output(tiles);
     }
-    for (const GraphTexture layer :
-         {shown.linear, picture.shadow, picture.virtual_rgba, picture.geometry, picture.object_id}) {
+    for (const GraphTexture layer : {shown.linear, picture.shadow, picture.reflection, picture.virtual_rgba,
+                                     picture.geometry, picture.object_id}) {
         graph.output(layer);
     }
     if (layers) {
@@ -388,55 +358,6 @@ void FramePasses::composite_light(CompositedFrame& result, bool layers) {
     if (!layers) return;
     read_layers(result, picture, shown, input);
     if (resources_.overscan.any()) keep_frame(result, resources_.overscan);
-}
-
-void FramePasses::read_layers(CompositedFrame& result, const CompositePicture& picture, const ResponsePicture& shown,
-                              const CompositeInput& input) const {
-    const RenderGraph& graph = resources_.graph;
-    const Region& region = result.reach;
-    const auto read = [&](GraphTexture texture, int channels) {
-        return read_runs(graph.texture(texture), region, {region}, channels);
-    };
-    const ImageF linear = read(shown.linear, 4), geometry = read(picture.geometry, 4);
-    FrameLayers layers{.region = region,
-                       .beauty = channels_of(linear, 0, 3),
-                       .alpha = channels_of(linear, 3, 1),
-                       .depth = channels_of(geometry, 3, 1),
-                       .normal = channels_of(geometry, 0, 3),
-                       .shadow = read(picture.shadow, 3),
-                       .object_id = read(picture.object_id, 1),
-                       .virtual_rgba = read(picture.virtual_rgba, 4),
-                       .background = background_ ? read(background_, 3) : ImageF(),
-                       .plate = read(picture.light.before, 3),
-                       .coverage = {},
-                       .spill = resources_.effects.any() ? read(shown.spill, 3) : ImageF(),
-                       .grain = {},
-                       .clipped = clipped_plate_.bound,
-                       .light = {.gain = plan_.optics.gain,
-                                 .vignette = plan_.optics.vignette,
-                                 .plate_gain = plan_.optics.plate_gain,
-                                 .white_light = plan_.optics.white_light},
-                       .motion = {},
-                       .parts = {}};
-    if (const GraphTexture coverage = input.blurred.coverage) {
-        // Only where objects are; elsewhere it is none.
-        const Region covered = graph.shape(coverage).region.intersected(region);
-        layers.coverage = ImageF(region.width, region.height, 3);
-        const Region& held = graph.shape(coverage).region;
-        const ImageF part = read_runs(graph.texture(coverage), held, {covered}, 3);
-        for (int y = 0; y < covered.height; ++y) {
-            std::copy_n(part.pixel(covered.x - held.x, covered.y - held.y + y), 3 * covered.width,
-                        layers.coverage.pixel(covered.x - region.x, covered.y - region.y + y));
-        }
-        if (!plan_.matte.empty()) hide_behind(plan_.matte, region, layers.coverage);
-    }
-    if (input.grain) layers.grain = noise_of(layers);
-    if (exchange_) {
-        layers.motion = motion_px(read(exchange_->motion, 4), region, resources_.camera, resources_.lens_map);
-        layers.parts = ImageF(region.width, region.height, 16);
-        for (int i = 0; i < 4; ++i) put_channels(layers.parts, 4 * i, read(exchange_->parts[i], 4));
-    }
-    result.layers = std::move(layers);
 }
 
 void FramePasses::composite_surroundings(CompositedFrame& result, GraphTexture spill, GraphTexture tiles) {

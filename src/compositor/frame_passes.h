@@ -136,8 +136,8 @@ private:
     double least_visible_light(const CompositedFrame& frame) const;
     /// Adds the noise of a part of the frame; nullopt where it is left out.
     std::optional<FrameGrain> add_grain(const CompositedFrame& frame, const Region& region);
-    CompositeInput composite_input(const ImageF& plate_code, const Region& region,
-                                   const std::vector<Region>& runs) const;
+    /// Also adds what the real surface mirrors of objects.
+    CompositeInput composite_input(const ImageF& plate_code, const Region& region, const std::vector<Region>& runs);
 
     FrameResources resources_;
     const FramePlan& plan_;

@@ -86,7 +86,8 @@ Reach Compositor::Impl::reach_of(const RigidTransform& camera_from_world, const 
     shadow.spread_px = [&blur, smear_px](const Region& tile) {
         return smear_px + (blur ? blur->reach_px(tile, smear_px) : 0);
     };
-    return make_reach(regions, shadow, camera_from_world, lens_map, solve.camera);
+    return make_reach({.object_regions = regions, .shadow = shadow, .mirror = light->mirror_reach()}, camera_from_world,
+                      lens_map, solve.camera);
 }
 
 Eigen::AlignedBox2d Compositor::Impl::holdout_bounds(const RigidTransform& camera_from_world,

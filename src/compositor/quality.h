@@ -13,14 +13,11 @@
 
 namespace matchlight {
 
-/// What is near in what objects mirror: nothing but where the probe saw it, the real surface as the clip shows it, the
-/// other objects by rays, too.
-enum class ReflectionLevel { environment, plane, rays };
-
 struct ReflectionSettings {
     ReflectionLevel level = ReflectionLevel::rays;
-    int lobe_rays = 2;  // a sample of the picture, along the lobe of a rough surface, 1..64
-    int bounces = 4;    // mirrors within mirrors, 1..16
+    int lobe_rays = 2;     // a sample of the picture, along the lobe of a rough surface, 1..64
+    int bounces = 4;       // mirrors within mirrors, 1..16
+    int surface_rays = 8;  // a pixel, where the real surface mirrors objects, 1..1024
 };
 
 struct Quality {
@@ -74,7 +71,7 @@ inline Quality quality_of(QualityLevel level) {
                 1024,
                 {.directions = 1024, .resolution = 2048, .lost_share = 0.0005},
                 {.directions = 256, .resolution = 512},
-                {.lobe_rays = 8, .bounces = 6},
+                {.lobe_rays = 8, .bounces = 6, .surface_rays = 64},
                 {.rays = 256, .surface_rays = 1024, .most_rays = 1'000'000'000, .bounces = 6, .surface_points = 192},
                 level,
                 level,
@@ -91,6 +88,14 @@ inline Quality quality_of(QualityLevel level) {
 inline Quality without_rays(Quality quality) {
     if (quality.reflection.level == ReflectionLevel::rays) quality.reflection.level = ReflectionLevel::plane;
     quality.bounce.rays = 0;
+    return quality;
+}
+
+/// The same with what the scene says of rays in place of the level.
+inline Quality with_choices_of(const Scene& scene, Quality quality) {
+    if (scene.reflections) quality.reflection.level = *scene.reflections;
+    if (scene.bounce && *scene.bounce != (quality.bounce.rays > 0))
+        quality.bounce = *scene.bounce ? BounceLightSettings{} : BounceLightSettings{.rays = 0};
     return quality;
 }
 

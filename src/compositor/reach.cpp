@@ -172,15 +172,59 @@ Reach tiles_of(const Camera& camera, const std::function<bool(int column, int ro
     return reach;
 }
 
-Reach make_reach(const std::vector<Region>& object_regions, const ShadowReach& shadow,
-                 const RigidTransform& camera_from_world, const LensMap& lens_map, const Camera& camera) {
+bool sees_mirrored(const Region& part, const MirrorReach& mirror, const RigidTransform& world_from_camera,
+                   const LensMap& lens_map) {
+    const Eigen::Vector3d eye = world_from_camera.translation();
+    if (eye.z() <= mirror.surface_z_m) return false;
+    const Region around = part.grown(1);  // rays go from all of a pixel's area
+    struct Seen {
+        Eigen::Vector3d at_m, mirrored;
+    };
+    const auto seen_at = [&](double x, double y) -> std::optional<Seen> {
+        Eigen::Vector3d direction = world_from_camera.linear() * lens_map.normalized(x, y).homogeneous();
+        const double distance = (mirror.surface_z_m - eye.z()) / direction.z();
+        if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
+        const Eigen::Vector3d at_m = eye + distance * direction;
+        direction.normalize();
+        return Seen{at_m, {direction.x(), direction.y(), -direction.z()}};
+    };
+    // The middle of the part and its corners.
+    const auto middle = seen_at(around.x + 0.5 * around.width, around.y + 0.5 * around.height);
+    std::vector<Seen> corners;
+    for (int corner = 0; corner < 4; ++corner) {
+        const auto seen = seen_at(around.x + (corner & 1) * around.width, around.y + (corner >> 1) * around.height);
+        if (seen) corners.push_back(*seen);
+    }
+    if (corners.empty() && !middle) return false;
+    if (corners.size() < 4 || !middle) return true;  // the horizon crosses it, or the lens model ends in it
+    const auto angle = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+        return std::atan2(a.cross(b).norm(), a.dot(b));
+    };
+    double radius_m = 0, spread = 0;
+    for (const Seen& corner : corners) {
+        radius_m = std::max(radius_m, (corner.at_m - middle->at_m).norm());
+        spread = std::max(spread, angle(corner.mirrored, middle->mirrored));
+    }
+    // A lens bends the part's sides by less than an eighth of its size; what grazes the surface is raised off it.
+    constexpr double bend = 1.125, raised_rad = 2e-3;
+    const Eigen::Vector3d to_objects_m = mirror.objects_m.center() - middle->at_m;
+    const double reach_m = mirror.objects_m.diagonal().norm() / 2 + bend * radius_m;
+    const double distance_m = to_objects_m.norm();
+    if (distance_m <= reach_m) return true;
+    return angle(to_objects_m, middle->mirrored) <=
+           std::asin(reach_m / distance_m) + bend * spread + mirror.lobe_rad + raised_rad;
+}
+
+Reach make_reach(const ReachSources& sources, const RigidTransform& camera_from_world, const LensMap& lens_map,
+                 const Camera& camera) {
     const RigidTransform world_from_camera = camera_from_world.inverse();
     return tiles_of(camera, [&](int column, int row) {
         const Region tile = tile_at(column, row, camera);
-        for (const Region& region : object_regions) {
+        for (const Region& region : sources.object_regions) {
             if (!tile.intersected(region).empty()) return true;
         }
-        return sees_shadow(tile, shadow, world_from_camera, lens_map, camera);
+        if (sources.mirror && sees_mirrored(tile, *sources.mirror, world_from_camera, lens_map)) return true;
+        return sees_shadow(tile, sources.shadow, world_from_camera, lens_map, camera);
     });
 }
 

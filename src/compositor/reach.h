@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -68,8 +69,27 @@ struct ShadowReach {
 bool sees_shadow(const Region& part, const ShadowReach& shadow, const RigidTransform& world_from_camera,
                  const LensMap& lens_map, const Camera& camera);
 
-/// Tiles that lie in one of `object_regions` or see shadow on the surface.
-Reach make_reach(const std::vector<Region>& object_regions, const ShadowReach& shadow,
-                 const RigidTransform& camera_from_world, const LensMap& lens_map, const Camera& camera);
+/// A real surface that mirrors what lies in a box.
+struct MirrorReach {
+    Eigen::AlignedBox3d objects_m;  // not empty
+    double surface_z_m = 0;
+    double lobe_rad = 0;  // how far from the mirrored direction it looks
+};
+
+/// Whether a part of the frame can see something of the box mirrored: it may say so where nothing is seen, never the
+/// other way round.
+bool sees_mirrored(const Region& part, const MirrorReach& mirror, const RigidTransform& world_from_camera,
+                   const LensMap& lens_map);
+
+/// What can change a frame.
+struct ReachSources {
+    std::vector<Region> object_regions;
+    ShadowReach shadow;
+    std::optional<MirrorReach> mirror = {};
+};
+
+/// Tiles that lie in one of the objects' regions, see shadow on the surface or see objects mirrored there.
+Reach make_reach(const ReachSources& sources, const RigidTransform& camera_from_world, const LensMap& lens_map,
+                 const Camera& camera);
 
 }  // namespace matchlight

@@ -13,8 +13,6 @@
 
 namespace matchlight {
 
-namespace {
-
 Eigen::Affine3d world_from_parent(const ObjectSettings& object, const Solve& solve,
                                   const std::filesystem::path& scene) {
     if (!object.parent_tag) return Eigen::Affine3d::Identity();
@@ -26,6 +24,8 @@ Eigen::Affine3d world_from_parent(const ObjectSettings& object, const Solve& sol
                                  *object.parent_tag),
                      "track the clip again with that tag in the rig");
 }
+
+namespace {
 
 /// Shadows between objects are kept at vertices: a face is given some, about as many along a model as a small shadow
 /// needs. Larger meshes stay as they are, being fine already.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct PlacementChange {
     bool any = false;      // an object stands otherwise: what objects do to each other's light
     bool casters = false;  // among them one that casts a shadow
 };
+
+/// The world or the tag that an object stands on. Throws InputError where the solve does not know the tag.
+Eigen::Affine3d world_from_parent(const ObjectSettings& object, const Solve& solve, const std::filesystem::path& scene);
 
 /// How the scene's objects are made ready.
 struct ObjectPreparation {

@@ -44,6 +44,7 @@ SurfaceFrame::SurfaceFrame(const SurfaceClip& clip, const PlateFrame& plate, con
       eye_m_(camera_from_world_.inverse().translation()),
       gain_(gain_near(clip.solve, solved)),
       code_(plate.rgb16({0, 0, plate.format().width, plate.format().height})) {
+    if (clip.holdouts != nullptr) hidden_ = clip.holdouts->before_surface(solved, clip.lens_map);
     focus_.coc_scale_px_m = known_near(clip.solve, solved, &SolvedFrame::coc_scale_px_m).value_or(0);
     if (const auto distance_m = known_near(clip.solve, solved, &SolvedFrame::focus_distance_m))
         focus_.focus_distance_m = *distance_m;
@@ -87,6 +88,7 @@ std::optional<SurfaceSample> SurfaceFrame::sample(const Eigen::Vector3d& point_m
 bool SurfaceFrame::add_taps(const Eigen::Vector2d& pixel, SurfaceSample& sum) const {
     const int x = static_cast<int>(std::floor(pixel.x())), y = static_cast<int>(std::floor(pixel.y()));
     if (x < 0 || y < 0 || x + 1 >= code_.width() || y + 1 >= code_.height()) return false;
+    if (!hidden_.empty() && hidden_.at(x, y) != 0) return false;
     const double s = pixel.x() - x, t = pixel.y() - y;
     const Camera& camera = clip_.solve.camera;
     const Eigen::Vector2d centre((camera.width - 1) / 2.0, (camera.height - 1) / 2.0);

@@ -10,6 +10,7 @@
 
 #include "calibration/thin_lens.h"
 #include "compositor/lens_map.h"
+#include "compositor/surface_holdouts.h"
 #include "core/image.h"
 #include "core/transforms.h"
 #include "media/plate.h"
@@ -37,7 +38,8 @@ struct SurfaceClip {
     LensMap lens_map;
     PlateLight light;
     std::array<double, 2> vignette;
-    double code_step = 1.0 / 255;  // of the footage's depth
+    double code_step = 1.0 / 255;               // of the footage's depth
+    const SurfaceHoldouts* holdouts = nullptr;  // null: the scene has none
 };
 
 /// One frame, decoded and placed.
@@ -50,7 +52,7 @@ public:
     std::optional<SurfaceSample> sample(const Eigen::Vector3d& point_m, double texel_m) const;
 
 private:
-    /// Adds the light about a pixel's place; false beyond the frame.
+    /// Adds the light about a pixel's place; false beyond the frame, and where the surface is hidden.
     bool add_taps(const Eigen::Vector2d& pixel, SurfaceSample& sum) const;
 
     const SurfaceClip& clip_;
@@ -59,6 +61,7 @@ private:
     Eigen::Vector3d gain_;
     Focus focus_;
     Image16 code_;
+    Image8 hidden_;  // 255 where something else stands before the surface; empty: nowhere
 };
 
 }  // namespace matchlight

@@ -8,6 +8,7 @@
 #include "compositor/sensor.h"
 #include "compositor/surface_edges.h"
 #include "compositor/surface_frames.h"
+#include "compositor/surface_holdouts.h"
 #include "compositor/surface_picture.h"
 #include "compositor/surface_texel.h"
 #include "core/error.h"
@@ -84,7 +85,9 @@ std::optional<GatheredSurface> gather_surface(const Scene& scene, const Solve& s
     std::vector<RigidTransform> cameras_from_world;
     for (const SolvedFrame* frame : wanted) cameras_from_world.push_back(*frame->camera_from_world);
     const std::unique_ptr<FrameSource> source = open_frames(scene, options.strict, warnings);
-    const SurfaceClip clip(solve, vignette_of(scene.effects.vignette, solve), source->info().format);
+    SurfaceClip clip(solve, vignette_of(scene.effects.vignette, solve), source->info().format);
+    const SurfaceHoldouts holdouts(scene, solve, warnings);
+    clip.holdouts = &holdouts;
     const PlaneGrid grid =
         plan_plane_grid(cameras_from_world, solve, clip.lens_map, scene.surface.z_m, options.most_texels);
     if (grid.columns == 0) return std::nullopt;

@@ -14,6 +14,7 @@
 
 #include "compositor/sensor.h"
 #include "compositor/surface_frames.h"
+#include "compositor/surface_holdouts.h"
 #include "core/content_hash.h"
 #include "core/error.h"
 #include "core/version.h"
@@ -47,6 +48,7 @@ std::string surface_key(const Scene& scene, const Solve& solve, const SurfacePic
     }
     hash.add(scene.footage.color_matrix.value_or(""));
     hash.add(scene.footage.color_range.value_or(""));
+    add_holdouts(hash, scene, solve, spread_frames(solve, options.most_frames));
     const std::array<double, 2> vignette = vignette_of(scene.effects.vignette, solve);
     hash.add(fmt::format("{} {} {} {} {}", scene.surface.z_m, vignette[0], vignette[1], options.most_frames,
                          options.most_texels));

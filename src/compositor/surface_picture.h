@@ -25,9 +25,9 @@ struct SurfacePictureOptions {
 
 /// Radiance of the plane z = [surface] z in the light's own units: plate-linear light without exposure, white balance
 /// and vignette. Frames are weighed by how finely and sharply they see a texel and by their noise; what passes over the
-/// surface in the fewer of them is left out, and where they disagree the texel is unknown. nullopt: the scene has no
-/// footage or no surface, or no frame with a pose sees it. A function of scene, solve and footage alone. Throws
-/// InputError.
+/// surface in the fewer of them is left out, so is what the scene's holdouts hide, and where they disagree the texel is
+/// unknown. nullopt: the scene has no footage or no surface, or no frame with a pose sees it. A function of scene,
+/// solve and footage alone. Throws InputError.
 std::optional<GatheredSurface> gather_surface(const Scene& scene, const Solve& solve,
                                               const SurfacePictureOptions& options, Warnings& warnings);
 

@@ -86,6 +86,14 @@ CompositePass::CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, i
     response_.upload(with_starting_points(response));
 }
 
+double CompositePass::linear_from_code(float code, int channel) const {
+    const std::span<const float> light = response_table_.row(channel);
+    const double at = std::clamp(static_cast<double>(code), 0.0, 1.0) * (response_table_.width() - 1);
+    const auto below = std::min(static_cast<std::size_t>(at), light.size() - 2);
+    return std::lerp(static_cast<double>(light[below]), static_cast<double>(light[below + 1]),
+                     at - static_cast<double>(below));
+}
+
 double CompositePass::least_visible_light(int bit_depth) const {
     const int last = response_table_.width() - 1;
     const int half_step = std::max(1, last / (2 * ((1 << bit_depth) - 1)));
@@ -260,6 +268,12 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
     if (blurred.holdouts) defines["HOLDOUTS"] = "1";
     if (input.inverse_depth && input.shadow != nullptr) defines["REAL_DEPTH"] = "1";
     if (input.background) defines["NO_FOOTAGE"] = "1";
+    if (input.reflection) {
+        defines["REFLECTION"] = "1";
+        const SurfaceReflection& reflection = input.reflection;
+        for (const GraphTexture part : {reflection.objects, reflection.covered, reflection.shown})
+            pass.reads.push_back({part});
+    }
     if (input.grain) {
         defines["GRAIN"] = "1";
         pass.reads.push_back({input.grain->noise});
@@ -271,6 +285,10 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
     if (input.layers) {
         pass.writes.insert(pass.writes.end(), 4, GL_RGBA32F);
         defines["WRITE_LAYERS"] = "1";
+    }
+    if (input.layers && input.reflection) {
+        defines["REFLECTION_LAYER"] = std::to_string(pass.writes.size());
+        pass.writes.push_back(GL_RGBA32F);
     }
     if (input.light && input.grain) {
         defines["PLATE_SHARE"] = std::to_string(pass.writes.size());
@@ -295,6 +313,11 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
         run.bind(program, "matte", 14, matte);
         run.bind(program, "holdouts", 15, input.blurred.holdouts);
         run.bind(program, "real_inverse_depth", 17, input.inverse_depth);
+        if (input.reflection) {
+            run.bind(program, "mirrored_objects", 18, input.reflection.objects);
+            run.bind(program, "mirrored_covered", 19, input.reflection.covered);
+            run.bind(program, "mirrored_shown", 20, input.reflection.shown);
+        }
         if (input.grain && !input.light) set_grain(run, program, 12, *input.grain);
         draw_runs(run, program, input.region, input.runs);
     };
@@ -309,6 +332,7 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
         picture.virtual_rgba = written[3];
         picture.geometry = written[4];
         picture.object_id = written[5];
+        if (input.reflection) picture.reflection = written[6];
     }
     return picture;
 }

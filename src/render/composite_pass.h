@@ -15,6 +15,7 @@
 #include "gl/shader_library.h"
 #include "render/effects/contact_shadow.h"
 #include "render/effects/grain.h"
+#include "render/effects/surface_reflection.h"
 #include "render/frame_light.h"
 #include "render/graph.h"
 #include "render/virtual_layer.h"
@@ -47,6 +48,7 @@ struct CompositeInput {
     GraphTexture inverse_depth;           // 1/m of what the plate shows, over the frame; empty: not known
     const ImageF* matte = nullptr;        // over the whole frame, 1 = real and in front; read by run(); null: none
     const ContactShadow* shadow = nullptr;  // null: no shadow, which is a ratio of 1
+    SurfaceReflection reflection = {};      // of the objects in the surface; empty: it mirrors none
     FrameOptics optics;
     double least_visible_loss = 0;         // a shadow that takes less leaves the pixel the plate's
     std::optional<FrameGrain> grain = {};  // with `light`, what of the plate is left is told, and nothing added
@@ -61,6 +63,7 @@ struct CompositePicture {
     FrameLight light;           // `before` has a = 1 where the pixel was touched
     GraphTexture plate_share;   // RGB share of the plate in the light; only with `light` and grain
     GraphTexture shadow;        // RGB ratio
+    GraphTexture reflection;    // RGB plate-linear light, signed; only with the input's
     GraphTexture virtual_rgba;  // premultiplied plate-linear light and alpha
     GraphTexture geometry;      // world normal and depth in metres
     GraphTexture object_id;     // 0 = nothing
@@ -120,6 +123,8 @@ public:
     /// From light to code values, with the spilled light.
     ResponsePicture add_response(RenderGraph& graph, const ResponseInput& input);
 
+    /// Linear light of a code of a channel, in the footage's own primaries.
+    double linear_from_code(float code, int channel) const;
     /// The least light that can move a code by half a step of `bit_depth`, anywhere on the response.
     double least_visible_light(int bit_depth) const;
     /// The light of the brightest code, of the channel that has most.

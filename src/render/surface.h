@@ -168,6 +168,8 @@ public:
     /// The same of one object in its own model's axes.
     Eigen::AlignedBox3d model_bounds_m(std::size_t index) const;
     Eigen::AlignedBox3d bounds_m() const;
+    /// Around all that is no holdout.
+    Eigen::AlignedBox3d virtual_bounds_m() const;
     /// Around those that draw_shadow_casters draws, and those that draw_real_casters does.
     Eigen::AlignedBox3d shadow_caster_bounds_m() const;
     Eigen::AlignedBox3d real_caster_bounds_m() const;

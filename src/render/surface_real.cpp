@@ -17,6 +17,14 @@ bool SurfaceRenderer::any_holdout() const {
     return std::ranges::any_of(objects_, &Object::is_holdout);
 }
 
+Eigen::AlignedBox3d SurfaceRenderer::virtual_bounds_m() const {
+    Eigen::AlignedBox3d box;
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+        if (!objects_[i].is_holdout) box.extend(object_bounds_m(i));
+    }
+    return box;
+}
+
 Eigen::AlignedBox3d SurfaceRenderer::caster_bounds_m(bool real) const {
     Eigen::AlignedBox3d box;
     for (const Object& object : objects_) {

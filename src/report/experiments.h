@@ -29,6 +29,13 @@ std::optional<Experiment> reflection_experiment(const SceneStage& stage, const E
 std::optional<Experiment> near_reflection_experiment(const SceneStage& stage, const ExperimentOptions& options);
 /// Light that bounces between objects and to the surface: rays.
 std::optional<Experiment> bounce_light_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// The same against double precision, in a small scene of its own: a lamp mirrored by an object, by the real surface,
+/// and shining on it: rays.
+std::optional<Experiment> mirrored_lamp_experiment(const SceneStage& stage, const ExperimentOptions& options);
+std::optional<Experiment> table_reflection_experiment(const SceneStage& stage, const ExperimentOptions& options);
+std::optional<Experiment> lamp_on_table_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// The shadow of a virtual box on a real one: directions.
+std::optional<Experiment> holdout_shadow_experiment(const SceneStage& stage, const ExperimentOptions& options);
 /// What a glossy surface shows of it: lookups of the rough levels.
 std::optional<Experiment> glossy_experiment(const SceneStage& stage, const ExperimentOptions& options);
 

@@ -63,6 +63,8 @@ std::vector<StabilityCase> ball_cases(bool quick);
 std::vector<StabilityCase> surface_picture_cases();
 /// Sphere sets on the GPU against rays in double precision: a context must be current where they run.
 std::vector<StabilityCase> sphere_cases();
+/// Rays between objects, bounced light, mirroring tables and holdouts: a context must be current where they run.
+std::vector<StabilityCase> near_light_cases();
 /// All of them; `quick` leaves out most of the slow ones.
 std::vector<StabilityCase> stability_cases(bool quick = false);
 

@@ -131,9 +131,15 @@ struct SurfaceSettings {
     bool present = true;  // [surface] enabled = false turns shadow catching off
     double z_m = 0;
     bool shadow = true;
+    double reflection = 0;  // of light that falls on it straight on, mirrored; 0: it mirrors no objects
+    double reflection_roughness = 0.1;
 };
 
 enum class QualityLevel { draft, preview, final_, reference };
+
+/// What is near in what objects mirror: nothing but where the probe saw it, the real surface as the clip shows it, the
+/// other objects by rays, too.
+enum class ReflectionLevel { environment, plane, rays };
 
 struct OutputSettings {
     std::string codec = "h264";  // h264, h265, ffv1, prores4444
@@ -154,7 +160,9 @@ struct Scene {
     SurfaceSettings surface;
     EffectSettings effects;
     QualityLevel quality = QualityLevel::final_;
-    std::optional<double> budget_ms;  // for a frame: chooses levels within it
+    std::optional<ReflectionLevel> reflections;  // in place of the level's
+    std::optional<bool> bounce;                  // likewise: whether light bounces between objects
+    std::optional<double> budget_ms;             // for a frame: chooses levels within it
     OutputSettings output;
     std::string effective_toml;  // every setting with its value, defaults included: recorded in outputs
 };

@@ -201,9 +201,23 @@ const std::vector<Setting> own_settings = {
      [](Scene& s, const SettingValue& v) { s.surface.z_m = v.number; }},
     {"surface", "shadow", of_kind(boolean), "", "true", "objects shade it",
      [](Scene& s, const SettingValue& v) { s.surface.shadow = v.boolean; }},
+    {"surface", "reflection", between(number, 0, 1), "", "0",
+     "share of the light straight from above that it mirrors, more at grazing angles: it shows the objects; 0: it "
+     "mirrors "
+     "none",
+     [](Scene& s, const SettingValue& v) { s.surface.reflection = v.number; }},
+    {"surface", "reflection_roughness", between(number, 0, 1), "", "0.1",
+     "of what it mirrors: 0 a mirror, 1 dull; perceptual, as in glTF",
+     [](Scene& s, const SettingValue& v) { s.surface.reflection_roughness = v.number; }},
 
     {"quality", "level", one_of({"draft", "preview", "final", "reference"}), "", "\"final\"", "how exactly to render",
      [](Scene& s, const SettingValue& v) { s.quality = static_cast<QualityLevel>(v.choice); }},
+    {"quality", "reflections", one_of({"environment", "plane", "rays"}), "", "",
+     "what is near in what objects mirror: nothing, the real surface, or other objects, too; by the level unless given",
+     [](Scene& s, const SettingValue& v) { s.reflections = static_cast<ReflectionLevel>(v.choice); }},
+    {"quality", "bounce", of_kind(boolean), "", "",
+     "light bounces between objects and onto the surface: needs rays; by the level unless given",
+     [](Scene& s, const SettingValue& v) { s.bounce = v.boolean; }},
     {"quality", "budget_ms", above(number, 0, 1e6), "ms", "",
      "time for a frame: levels are chosen within it, by the table that `report --calibrate-machine` made",
      [](Scene& s, const SettingValue& v) { s.budget_ms = v.number; }},

@@ -40,13 +40,15 @@ public:
     OIIO::ImageBuf light(const std::string& name) const {
         return OIIO::ImageBufAlgo::channels(parts_.at(name), 3, {0, 1, 2});
     }
-    /// plate · shadow · (1 − coverage) + virtual + spill + grain
+    /// plate · shadow · (1 − coverage) + reflection + virtual + spill + grain
     OIIO::ImageBuf together() const {
         namespace Algorithm = OIIO::ImageBufAlgo;
         // Where a part's window ends its pixels are 0, as the format has it.
         const OIIO::ImageBuf real = Algorithm::mul(light("plate"), light("shadow"));
         const OIIO::ImageBuf behind = Algorithm::sub(real, Algorithm::mul(real, light("coverage")));
-        return Algorithm::add(Algorithm::add(behind, light("virtual")), Algorithm::add(light("spill"), light("grain")));
+        const OIIO::ImageBuf real_and_mirrored = Algorithm::add(behind, light("reflection"));
+        return Algorithm::add(Algorithm::add(real_and_mirrored, light("virtual")),
+                              Algorithm::add(light("spill"), light("grain")));
     }
 
 private:
@@ -109,6 +111,19 @@ TEST_F(ExrLayers, MakeThePictureAgainWithEveryEffect) {
     }
 }
 
+TEST_F(ExrLayers, MakeThePictureAgainWithAShinyTable) {
+    std::ofstream(scene_, std::ios::app) << "[quality]\nreflections = \"rays\"\nbounce = false\n"
+                                            "[effects]\nvignette = {v1 = -0.2, v2 = 0.05}\n";
+    std::string text = bytes_of(scene_);
+    text.insert(text.find("[surface]\n") + 10, "reflection = 0.3\nreflection_roughness = 0.1\n");
+    std::ofstream(scene_) << text;
+    expect_same_picture();
+    const Layers layers(render("shiny_%03d.exr"));
+    const OIIO::ImageBufAlgo::PixelStats stats = OIIO::ImageBufAlgo::computePixelStats(layers["reflection"]);
+    EXPECT_GT(stats.max[1], 0.01F) << "objects' light is put on";
+    EXPECT_LT(stats.min[1], -0.01F) << "and the plate's is taken off";
+}
+
 TEST_F(ExrLayers, GoOnBeyondTheFrame) {
     std::ofstream(scene_, std::ios::app)
         << "[effects]\nbloom = {strength = 0.4}\nvignette = {v1 = -0.2, v2 = 0.05}\n"
@@ -166,7 +181,7 @@ TEST_F(ExrLayers, SayWhatTheirNumbersMean) {
     const Layers layers(scratch_ / "out_1007.exr");
     const Solve solve = load_solve(shot_ / "table.solve.json");
     const SolvedFrame& frame = *solve.find(6);
-    for (const char* part : {"beauty", "plate", "virtual", "spill", "grain"}) {
+    for (const char* part : {"beauty", "plate", "virtual", "reflection", "spill", "grain"}) {
         EXPECT_EQ(layers.text(part, "matchlight:light"), "camera-linear") << part;
         EXPECT_EQ(layers.text(part, "matchlight:frame"), "1007");
         EXPECT_EQ(layers.text(part, "matchlight:scene"), "table.toml");

@@ -40,6 +40,8 @@ protected:
         return frame;
     }
 
+    Warnings warnings_;
+
     std::string why_left_out(const std::string& pass) const {
         const auto found = std::ranges::find(reports_, pass, &PassReport::name);
         return found == reports_.end() || found->drawn ? std::string() : found->why;
@@ -79,6 +81,39 @@ TEST_F(NearLightTest, WhatGlowsLightsTheTable) {
     const CompositedFrame near = with_layers(ball_and_lamp(QualityLevel::final_));
     EXPECT_GT(brightest(near.layers->shadow, 0), 1.2F) << "red light falls on the table";
     EXPECT_LT(brightest(near.layers->shadow, 1), 1.1F) << "and no more green than the ball throws back";
+}
+
+TEST_F(NearLightTest, TheSceneSaysWhatTheLevelDoesNot) {
+    const auto frame_of = [&](const Shot& shot) {
+        warnings_.set_quiet(true);
+        Compositor compositor(context(), shot.scene, shot.solve, {.quality = shot.scene.quality, .layers = true},
+                              warnings_);
+        CompositedFrame frame = compositor.composite(grey_plate(320, 180, plate_luma_));
+        reports_ = compositor.reports();
+        return frame;
+    };
+    Shot draft = ball_and_lamp(QualityLevel::draft);
+    EXPECT_LT(red_on_the_ball(*frame_of(draft).layers), 10);
+    EXPECT_EQ(why_left_out("light/bounced"), "this quality level traces no rays");
+    draft.scene.reflections = ReflectionLevel::rays;
+    EXPECT_GT(red_on_the_ball(*frame_of(draft).layers), 30);
+    EXPECT_TRUE(warnings_.empty());
+
+    draft.scene.reflections = ReflectionLevel::plane;
+    draft.scene.bounce = true;
+    EXPECT_LT(red_on_the_ball(*frame_of(draft).layers), 10);
+    EXPECT_FALSE(warnings_.empty()) << "light cannot bounce without rays";
+}
+
+TEST_F(NearLightTest, BouncedLightAloneCanBeLeftOut) {
+    Shot shot = ball_and_lamp(QualityLevel::final_);
+    shot.scene.bounce = false;
+    EXPECT_EQ(with_choices_of(shot.scene, quality_of(QualityLevel::final_)).bounce.rays, 0);
+    EXPECT_EQ(with_choices_of(shot.scene, quality_of(QualityLevel::final_)).reflection.level, ReflectionLevel::rays);
+    shot.scene.bounce = true;
+    EXPECT_EQ(with_choices_of(shot.scene, quality_of(QualityLevel::reference)).bounce.rays,
+              quality_of(QualityLevel::reference).bounce.rays);
+    EXPECT_EQ(with_choices_of(shot.scene, quality_of(QualityLevel::draft)).bounce.rays, BounceLightSettings{}.rays);
 }
 
 TEST_F(NearLightTest, WithoutObjectsRaysAreLeftOutAndNoBitChanges) {

@@ -129,6 +129,57 @@ TEST_F(SurfacePictureOfClip, flags_what_every_frame_clips) {
     EXPECT_LT(gathered->radiance.at(patch.x(), patch.y(), 0), 1.0f);
 }
 
+TEST_F(SurfacePictureOfClip, leaves_out_what_a_holdout_hides) {
+    const auto without = gather_surface(scene_, solve_, {.quiet = true}, warnings_);
+    ObjectSettings box;
+    box.shape = "box";
+    box.name = "box";
+    box.scale = {0.06, 0.06, 0.12};
+    box.translate_m = {-0.1, 0.05, 0.06};
+    box.holdout = true;
+    scene_.objects.push_back(box);
+    const auto with = gather_surface(scene_, solve_, {.quiet = true}, warnings_);
+    ASSERT_TRUE(without && with);
+    ASSERT_EQ(with->rectangle_m.min(), without->rectangle_m.min());
+    int hidden = 0, changed_beside = 0;
+    for (int row = 0; row < with->radiance.height(); ++row) {
+        for (int column = 0; column < with->radiance.width(); ++column) {
+            const bool was_known = without->radiance.at(column, row, 3) == 1;
+            if (was_known && with->radiance.at(column, row, 3) == 0) ++hidden;
+            const Eigen::Vector2d place_m =
+                with->rectangle_m.min() + with->texel_m() * Eigen::Vector2d(column + 0.5, row + 0.5);
+            // Cameras half a metre before and above it see it lie over what is behind and beside, and edges are
+            // softened over 16 texels.
+            const bool is_far = place_m.x() > 0.15 || place_m.x() < -0.3 || place_m.y() < -0.12;
+            if (is_far && !std::equal(with->radiance.pixel(column, row), with->radiance.pixel(column, row) + 4,
+                                      without->radiance.pixel(column, row)))
+                ++changed_beside;
+        }
+    }
+    EXPECT_GT(hidden, 100) << "its foot is never seen";
+    EXPECT_EQ(with->radiance.pixel(texel_of(*with, {-0.1, 0.05}).x(), texel_of(*with, {-0.1, 0.05}).y())[3], 0);
+    EXPECT_EQ(changed_beside, 0);
+}
+
+TEST_F(SurfacePictureOfClip, is_made_again_when_a_holdout_stands_elsewhere) {
+    const auto first = surface_picture_of_clip(scene_, solve_, {.quiet = true}, warnings_);
+    ObjectSettings box;
+    box.shape = "box";
+    box.scale.setConstant(0.1);
+    box.holdout = true;
+    scene_.objects.push_back(box);
+    const auto there = surface_picture_of_clip(scene_, solve_, {.quiet = true}, warnings_);
+    EXPECT_FALSE(std::ranges::equal(first->radiance.samples(), there->radiance.samples()));
+    scene_.objects.back().translate_m.x() = 0.2;
+    const auto elsewhere = surface_picture_of_clip(scene_, solve_, {.quiet = true}, warnings_);
+    EXPECT_FALSE(std::ranges::equal(there->radiance.samples(), elsewhere->radiance.samples()));
+    // Virtual objects are not in the footage.
+    scene_.objects.front().translate_m.x() = 0.3;
+    const auto written = fs::last_write_time(surface_picture_file_of(scene_));
+    surface_picture_of_clip(scene_, solve_, {.quiet = true}, warnings_);
+    EXPECT_EQ(fs::last_write_time(surface_picture_file_of(scene_)), written);
+}
+
 TEST_F(SurfacePictureOfClip, its_file_gives_the_same_bits_and_is_made_again_when_something_changes) {
     const auto first = surface_picture_of_clip(scene_, solve_, {.quiet = true}, warnings_);
     ASSERT_TRUE(first);

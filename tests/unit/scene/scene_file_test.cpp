@@ -68,6 +68,8 @@ TEST_F(SceneFile, DefaultsHoldWhereNothingIsSaid) {
     EXPECT_TRUE(scene.objects.empty());
     EXPECT_TRUE(scene.surface.present && scene.surface.shadow);
     EXPECT_EQ(scene.surface.z_m, 0);
+    EXPECT_EQ(scene.surface.reflection, 0);
+    EXPECT_FALSE(scene.reflections || scene.bounce);
     EXPECT_EQ(scene.quality, QualityLevel::final_);
     EXPECT_EQ(scene.output.codec, "h264");
     EXPECT_EQ(scene.output.preset, "medium");
@@ -138,8 +140,12 @@ model = "objects.glb"
 enabled = false
 z = 0.5
 shadow = false
+reflection = 0.04
+reflection_roughness = 0.3
 [quality]
 level = "draft"
+reflections = "rays"
+bounce = false
 [output]
 codec = "ffv1"
 crf = 18
@@ -196,7 +202,11 @@ audio = false
     EXPECT_EQ(scene.objects[2].name, "objects 2");
     EXPECT_FALSE(scene.surface.present || scene.surface.shadow);
     EXPECT_EQ(scene.surface.z_m, 0.5);
+    EXPECT_EQ(scene.surface.reflection, 0.04);
+    EXPECT_EQ(scene.surface.reflection_roughness, 0.3);
     EXPECT_EQ(scene.quality, QualityLevel::draft);
+    EXPECT_EQ(scene.reflections, ReflectionLevel::rays);
+    EXPECT_EQ(scene.bounce, false);
     EXPECT_EQ(scene.output.codec, "ffv1");
     EXPECT_EQ(scene.output.crf, 18);
     EXPECT_EQ(scene.output.pixel_format, "yuv444p");
@@ -258,6 +268,11 @@ TEST_F(SceneFile, WrongTypesAndRangesNameTheLine) {
         {"[surface]\nz = \"high\"", "scene.toml:7: 'z' in [surface] is \"high\", not number"},
         {"[surface]\nz = nan", "scene.toml:7: 'z' in [surface] is not finite"},
         {"[surface]\nz = -inf", "scene.toml:7: 'z' in [surface] is not finite"},
+        {"[surface]\nreflection = 1.1", "scene.toml:7: 'reflection' in [surface] is 1.1, outside its range"},
+        {"[surface]\nreflection_roughness = -0.1", "is -0.1, outside its range (number, from 0 to 1)"},
+        {"[surface]\nreflection = true", "scene.toml:7: 'reflection' in [surface] is true, not number"},
+        {"[quality]\nreflections = \"ray\"", "did you mean 'rays'?"},
+        {"[quality]\nbounce = 0", "scene.toml:7: 'bounce' in [quality] is 0, not true or false"},
         {"[surface]\nenabled = 1", "scene.toml:7: 'enabled' in [surface] is 1, not true or false"},
         {"[surface]\nz = 2000-01-01", "is a date or time, not number"},
         {"[output]\ncrf = 52", "scene.toml:7: 'crf' in [output] is 52, outside its range (whole number, from 0 to 51)"},
