@@ -23,6 +23,11 @@ Model load(const ObjectSettings& object, const Scene& scene, Warnings& warnings)
     return object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
 }
 
+/// Sets of spheres have no triangles to cast at.
+bool stands_for_real(const ObjectSettings& object) {
+    return object.holdout && object.spheres.empty();
+}
+
 void widen(Image8& mask, const Region& around) {
     const Image8 before = mask;
     parallel_for(around.height, [&](int row) {
@@ -42,7 +47,7 @@ void widen(Image8& mask, const Region& around) {
 SurfaceHoldouts::SurfaceHoldouts(const Scene& scene, const Solve& solve, Warnings& warnings)
     : camera_(solve.camera), surface_z_m_(scene.surface.z_m) {
     for (const ObjectSettings& object : scene.objects) {
-        if (object.holdout)
+        if (stands_for_real(object))
             holdouts_.push_back({load(object, scene, warnings), object, world_from_parent(object, solve, scene.path)});
     }
 }
@@ -94,7 +99,7 @@ void add_holdouts(ContentHash& hash, const Scene& scene, const Solve& solve,
     Warnings unheard;  // loading says the same
     unheard.set_quiet(true);
     for (const ObjectSettings& object : scene.objects) {
-        if (!object.holdout) continue;
+        if (!stands_for_real(object)) continue;
         hash.add(object.shape);
         if (!object.model.empty()) add_model_contents(hash, object.model, unheard);
         const Eigen::Affine3d world_from = world_from_parent(object, solve, scene.path);
