@@ -148,7 +148,8 @@ void main() {
     vec3 linear = plate_linear * ratio * (1.0 - coverage) + virtual_light.rgb * gain * falloff;
 #ifdef REFLECTION
     vec3 mirrored = surface_share * mirrored_change(in_region, plate_linear, ratio, gain * falloff) * (1.0 - coverage);
-    linear = max(linear + mirrored, vec3(0.0));  // rounding alone can bring it below
+    // Rounding alone can bring it below 0, where only colours beyond Rec.709 have been before.
+    linear = max(linear + mirrored, min(linear, vec3(0.0)));
 #endif
 #ifdef NO_FOOTAGE
     vec3 kept = vec3(0.0);  // a background has no noise of its own

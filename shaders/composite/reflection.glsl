@@ -15,7 +15,7 @@ vec3 mirrored_change(ivec2 texel, vec3 plate, vec3 ratio, vec3 plate_from_probe)
     vec3 brought = objects.rgb * a_ray * plate_from_probe;
     vec3 all = shown.rgb * plate_from_probe;
     vec3 taken = texelFetch(mirrored_covered, texel, 0).rgb * a_ray * plate_from_probe;
-    vec3 known = min(vec3(1.0), plate / max(all, vec3(1e-20)));
+    vec3 known = clamp(plate / max(all, vec3(1e-20)), 0.0, 1.0);
     all *= known;
     taken = min(taken * known, all);
     return brought - taken * ratio + (all - taken) * (1.0 - ratio);

@@ -1,5 +1,7 @@
 // Near light against double precision, on scenes small enough for it: error over effort.
 #include <cmath>
+#include <functional>
+#include <initializer_list>
 #include <memory>
 #include <vector>
 
@@ -53,10 +55,16 @@ std::optional<Experiment> experiment_of(const SceneStage& stage, const TrialLine
     return experiment;
 }
 
-Quality final_without_bounce() {
-    Quality quality = quality_of(QualityLevel::final_);
-    quality.bounce.rays = 0;
-    return quality;
+/// The level final, with more or less of one thing.
+std::vector<TrialChoice> choices_of(std::initializer_list<int> counts, int usual,
+                                    const std::function<void(Quality&, int)>& set) {
+    std::vector<TrialChoice> choices;
+    for (const int count : counts) {
+        Quality quality = quality_of(QualityLevel::final_);
+        set(quality, count);
+        choices.push_back({count, count == usual, quality});
+    }
+    return choices;
 }
 
 constexpr double glossy = 0.2;
@@ -64,58 +72,56 @@ constexpr double glossy = 0.2;
 }  // namespace
 
 std::optional<Experiment> mirrored_lamp_experiment(const SceneStage& stage, const ExperimentOptions& options) {
-    TrialLine line{.name = "mirrored_lamp",
-                   .what = "A lamp in a slab of glossy metal, drawn from nothing, against double precision.",
-                   .setup = {.kind = NearLightKind::mirrored_by_object, .roughness = glossy},
-                   .choices = {}};
-    for (const int rays : {1, 2, 4, 8}) {
-        Quality quality = final_without_bounce();
+    const auto set = [](Quality& quality, int rays) {
+        quality.bounce.rays = 0;
         quality.reflection.lobe_rays = rays;
-        line.choices.push_back({rays, rays == ReflectionSettings{}.lobe_rays, quality});
-    }
-    return experiment_of(stage, line, options);
+    };
+    return experiment_of(stage,
+                         {.name = "mirrored_lamp",
+                          .what = "A lamp in a slab of glossy metal, drawn from nothing, against double precision.",
+                          .setup = {.kind = NearLightKind::mirrored_by_object, .roughness = glossy},
+                          .choices = choices_of({1, 2, 4, 8}, ReflectionSettings{}.lobe_rays, set)},
+                         options);
 }
 
 std::optional<Experiment> table_reflection_experiment(const SceneStage& stage, const ExperimentOptions& options) {
-    TrialLine line{.name = "table_reflection",
-                   .what = "A lamp in a glossy real surface, drawn from nothing, against double precision.",
-                   .setup = {.kind = NearLightKind::mirrored_by_surface, .roughness = glossy},
-                   .choices = {}};
-    for (const int rays : {1, 2, 4, 8, 16, 64}) {
-        Quality quality = final_without_bounce();
+    const auto set = [](Quality& quality, int rays) {
+        quality.bounce.rays = 0;
         quality.reflection.surface_rays = rays;
-        line.choices.push_back({rays, rays == ReflectionSettings{}.surface_rays, quality});
-    }
-    return experiment_of(stage, line, options);
+    };
+    return experiment_of(stage,
+                         {.name = "table_reflection",
+                          .what = "A lamp in a glossy real surface, drawn from nothing, against double precision.",
+                          .setup = {.kind = NearLightKind::mirrored_by_surface, .roughness = glossy},
+                          .choices = choices_of({1, 2, 4, 8, 16, 64}, ReflectionSettings{}.surface_rays, set)},
+                         options);
 }
 
 std::optional<Experiment> lamp_on_table_experiment(const SceneStage& stage, const ExperimentOptions& options) {
-    TrialLine line{.name = "lamp_on_table",
-                   .what =
-                       "A lamp that shines on the real surface, with its shadow, drawn from nothing, against double "
-                       "precision.",
-                   .setup = {.kind = NearLightKind::bounced_to_surface},
-                   .choices = {}};
-    for (const int rays : {16, 64, 256, 1024}) {
-        Quality quality = quality_of(QualityLevel::final_);
-        quality.bounce.surface_rays = rays;
-        line.choices.push_back({rays, rays == BounceLightSettings{}.surface_rays, quality});
-    }
-    return experiment_of(stage, line, options);
+    const auto set = [](Quality& quality, int rays) { quality.bounce.surface_rays = rays; };
+    return experiment_of(
+        stage,
+        {.name = "lamp_on_table",
+         .what = "A lamp that shines on the real surface, with its shadow, drawn from nothing, against "
+                 "double precision.",
+         .setup = {.kind = NearLightKind::bounced_to_surface},
+         .choices = choices_of({16, 64, 256, 1024}, BounceLightSettings{}.surface_rays, set)},
+        options);
 }
 
 std::optional<Experiment> holdout_shadow_experiment(const SceneStage& stage, const ExperimentOptions& options) {
-    TrialLine line{.name = "holdout_shadow",
-                   .what = "The shadow of a black box on a real slab (`holdout = true`), against double precision.",
-                   .unit = "directions",
-                   .setup = {.kind = NearLightKind::shadow_on_holdout},
-                   .choices = {}};
-    for (const int directions : {16, 64, 256}) {
-        Quality quality = final_without_bounce();
+    const auto set = [](Quality& quality, int directions) {
+        quality.bounce.rays = 0;
         quality.object_shadow.directions = directions;
-        line.choices.push_back({directions, directions == ObjectShadowSettings{}.directions, quality});
-    }
-    return experiment_of(stage, line, options);
+    };
+    return experiment_of(
+        stage,
+        {.name = "holdout_shadow",
+         .what = "The shadow of a black box on a real slab (`holdout = true`), against double precision.",
+         .unit = "directions",
+         .setup = {.kind = NearLightKind::shadow_on_holdout},
+         .choices = choices_of({16, 64, 256}, ObjectShadowSettings{}.directions, set)},
+        options);
 }
 
 }  // namespace matchlight
