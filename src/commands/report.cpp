@@ -190,6 +190,7 @@ void measure_sphere_sets(const ReportArguments& arguments, CommandContext& conte
     options.frames = arguments.orbit_frames > 0 ? arguments.orbit_frames : arguments.quick ? 6 : 180;
     options.repeats = std::max(arguments.repeats, 1);
     options.quick = arguments.quick;
+    if (arguments.quick) options.side_px = 512;
     options.advance = [&progress] { progress.advance(); };
     measure_spheres(arguments.spheres, options, context.warnings, report);
     report.provenance = fmt::format("matchlight {}\n", version);

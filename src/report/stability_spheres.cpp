@@ -106,7 +106,8 @@ Seen fine_dust(double radius_m) {
     const ReferenceView view = view_from({0.48, -0.6, 0.64}, {0, 0, 0}, side_px, 0.01);
     SphereSet set;
     for (int i = 0; i < side_px * side_px; ++i) {
-        const SphereRay ray = view.ray_through(i % side_px, i / side_px);
+        const int x = i % side_px, y = i / side_px;
+        const SphereRay ray = view.ray_through(x, y);
         const Eigen::Vector3d along = ray.direction.normalized();
         const double off = std::array{0.0, 0.7, 1.3}.at(static_cast<std::size_t>(i % 3));
         const Eigen::AngleAxisd turned(2.399963 * i, along);

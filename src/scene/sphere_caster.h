@@ -20,7 +20,7 @@ struct SphereHit {
     std::uint32_t set = 0, sphere = 0;
 
     /// Nearer ones first; of those at one distance the earlier set, then the lower number.
-    auto operator<=>(const SphereHit&) const = default;
+    auto operator<=>(const SphereHit&) const = default;  // NOLINT(modernize-use-nullptr): it takes <=> for a 0
     bool same_sphere(const SphereHit& other) const { return set == other.set && sphere == other.sphere; }
 };
 
