@@ -123,7 +123,14 @@ void SphereSets::cast(std::size_t set, const Eigen::Matrix4d& world_from_model, 
         rays.set(*program);
         if (cast.set_up) cast.set_up(*program);
     }
-    culling_.draw({.geometry = geometry(set), .rays = rays, .points = points, .triangles = triangles}, visibility);
+    culling_.draw({.geometry = geometry(set),
+                   .rays = rays,
+                   .points = points,
+                   .triangles = triangles,
+                   .depth = cast.depth,
+                   .width = cast.view.width,
+                   .height = cast.view.height},
+                  visibility);
 }
 
 }  // namespace matchlight

@@ -40,6 +40,7 @@ struct SphereCast {
     SphereProjection view;                 // parallel
     std::string fragment;                  // a shader that includes spheres/meet.glsl
     std::function<void(Program&)> set_up;  // its other uniforms; may be empty
+    const Texture2D* depth = nullptr;  // the depth buffer that is bound: hidden spheres are passed over; may be null
 };
 
 class SphereSets {

@@ -264,6 +264,34 @@ TEST_F(Spheres, shade_the_surface_and_each_other_as_meshes_do) {
     EXPECT_LT(difference / static_cast<double>(loss.samples().size()), 0.002 * most);
 }
 
+TEST_F(Spheres, what_maps_of_shadow_pass_over_changes_no_texel) {
+    SurfaceRenderer surfaces(shaders());
+    surfaces.add_spheres({}, random_set(150'000, 0.01F, 0.02F));
+    const int size = 128;
+    const Texture2D depth({.format = GL_DEPTH_COMPONENT32F, .width = size, .height = size});
+    const Framebuffer target({}, Attachment(depth));
+    SphereProjection view{.width = size, .height = size, .is_parallel = true};
+    view.clip_from_world = Eigen::Affine3d(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 0.5).normalized())).matrix();
+    view.clip_from_world.row(2) *= 0.25;  // depth within 0..1
+    view.clip_from_world(2, 3) = 0.5;
+    std::array<ImageF, 2> maps;
+    std::array<std::size_t, 2> cells{};
+    for (const std::size_t tests : {0U, 1U}) {
+        surfaces.spheres()->visibility = {.frustum = tests != 0, .occlusion = tests != 0};
+        target.bind();
+        target.clear_depth();
+        glEnable(GL_DEPTH_TEST);
+        glDepthFunc(GL_GREATER);
+        surfaces.cast_shadow_spheres({.view = view, .fragment = "spheres/depth.frag", .set_up = {}, .depth = &depth});
+        glDisable(GL_DEPTH_TEST);
+        maps.at(tests) = depth.read<float>(depth.bounds(), 1);
+        cells.at(tests) = surfaces.spheres()->culling().cells_drawn();
+    }
+    EXPECT_LT(cells[1], cells[0]);
+    EXPECT_TRUE(std::ranges::equal(maps[0].samples(), maps[1].samples()));
+    EXPECT_GT(*std::ranges::max_element(maps[0].samples()), 0.5F);
+}
+
 /// Sends out the same light everywhere and mirrors none.
 MaterialOverride glowing(const std::array<double, 3>& light) {
     MaterialOverride material;

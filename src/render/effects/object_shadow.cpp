@@ -59,21 +59,30 @@ ObjectShadow::ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters,
     glDepthMask(GL_TRUE);
     glDisable(GL_BLEND);
     glDisable(GL_CULL_FACE);
+    // Which spheres are hidden is found in a map that is no array.
+    const bool seeks_hidden = radius_m_ > 0 && casters.cast_spheres;
+    Texture2D one;
+    if (seeks_hidden) one = Texture2D({.format = GL_DEPTH_COMPONENT32F, .width = resolution_, .height = resolution_});
     for (int i = 0; i < directions_; ++i) {
         const Eigen::Vector3d& to_light = samples[i].direction;
         const Eigen::Vector3d axis_u = to_light.unitOrthogonal();
         const Eigen::Vector3d axis_v = to_light.cross(axis_u);
-        const Framebuffer target({}, Attachment(depth_, 0, i));
+        const Framebuffer target =
+            seeks_hidden ? Framebuffer({}, Attachment(one)) : Framebuffer({}, Attachment(depth_, 0, i));
         target.bind();
         target.clear_depth(0);
+        program.use();
         program.set("direction_to_light", Eigen::Vector3f(to_light.cast<float>()));
         program.set("axis_u", Eigen::Vector3f(axis_u.cast<float>()));
         program.set("axis_v", Eigen::Vector3f(axis_v.cast<float>()));
         if (radius_m_ > 0) casters.draw(program);
-        if (radius_m_ > 0 && casters.cast_spheres) {
-            casters.cast_spheres(
-                {.view = map_view(to_light, axis_u, axis_v), .fragment = "spheres/depth.frag", .set_up = {}});
-            program.use();
+        if (seeks_hidden) {
+            casters.cast_spheres({.view = map_view(to_light, axis_u, axis_v),
+                                  .fragment = "spheres/depth.frag",
+                                  .set_up = {},
+                                  .depth = &one});
+            glCopyImageSubData(one.name(), GL_TEXTURE_2D, 0, 0, 0, 0, depth_.name(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, i,
+                               resolution_, resolution_, 1);
         }
         lights.push_back({four(to_light), four(samples[i].radiance_times_solid_angle), four(axis_u), four(axis_v)});
     }
@@ -83,7 +92,7 @@ ObjectShadow::ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters,
 
 /// As depth.vert has it.
 SphereProjection ObjectShadow::map_view(const Eigen::Vector3d& to_light, const Eigen::Vector3d& axis_u,
-                                  const Eigen::Vector3d& axis_v) const {
+                                        const Eigen::Vector3d& axis_v) const {
     SphereProjection view{.width = resolution_, .height = resolution_, .is_parallel = true};
     view.clip_from_world.setIdentity();
     const auto set_row = [&](int row, const Eigen::Vector3d& axis, double offset) {
