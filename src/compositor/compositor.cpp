@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "core/transfer.h"
 #include "render/effects/exposure.h"
+#include "render/transparency_bound.h"
 
 namespace matchlight {
 
@@ -30,6 +31,13 @@ ImageF response_table(const Response& response, int bit_depth) {
 }
 
 /// A budget's table does not know what rays take: it leaves them out, unless the scene asks for them.
+/// Of layers that are seen through the sRGB curve, whatever the exposure: light is counted in what makes code 1.
+double peeling_residual(double tolerance_codes) {
+    constexpr double brightest = 8;  // three stops above white
+    const CodeOfChannel code_of = [](double light, int) { return srgb_code_from_linear(std::clamp(light, 0.0, 1.0)); };
+    return residual_of_tolerance(code_of, Eigen::Vector3d::Constant(brightest), tolerance_codes);
+}
+
 Quality chosen_quality(const CompositorOptions& options, const Scene& scene, Warnings& warnings) {
     if (options.settings) return options.budget ? without_rays(*options.settings) : *options.settings;
     const Quality of_level = quality_of(options.quality);
@@ -90,6 +98,8 @@ void Compositor::Impl::load_objects(const Scene& scene, Warnings& the_warnings) 
     const bool traced = quality.reflection.level == ReflectionLevel::rays;
     const ObjectPreparation preparation{.fine_meshes = shade_each_other || traced, .traced = traced};
     scene_objects.emplace(surfaces, scene, solve, start, preparation, the_warnings);
+    if (surfaces.any_spheres())
+        surfaces.set_peeling(peeling_residual(scene.transparency_tolerance), most_peeled_layers);
 }
 
 void Compositor::Impl::make_light() {

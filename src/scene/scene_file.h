@@ -162,6 +162,7 @@ struct Scene {
     QualityLevel quality = QualityLevel::final_;
     std::optional<ReflectionLevel> reflections;  // in place of the level's
     std::optional<bool> bounce;                  // likewise: whether light bounces between objects
+    double transparency_tolerance = 1;           // codes of 255, of spheres that let light through
     std::optional<double> budget_ms;             // for a frame: chooses levels within it
     OutputSettings output;
     std::string effective_toml;  // every setting with its value, defaults included: recorded in outputs
