@@ -1,6 +1,6 @@
 #version 450 core
-// Takes out of a list of draws the cells that lie wholly behind what was drawn before (Greene, Kass & Miller 1993,
-// "Hierarchical Z-Buffer Visibility").
+// Takes out of a list of draws the cells that lie wholly behind what was drawn before, or (PEELED) wholly before the layer
+// that was peeled off last (Greene, Kass & Miller 1993, "Hierarchical Z-Buffer Visibility").
 layout(local_size_x = 64) in;
 
 struct Draw {
@@ -12,20 +12,28 @@ layout(std430, binding = 1) readonly buffer Boxes { vec4 boxes[]; };  // low, hi
 uniform int first_draw, draw_count;
 uniform mat4 clip_from_model;
 uniform vec2 picture_px;
-uniform sampler2D farthest_depth;  // the level below holds that of 2 × 2 pixels
+uniform sampler2D pyramid;         // the first level holds the farthest depth of 2 × 2 pixels; PEELED: the nearest
 uniform int levels;
 uniform ivec2 level_0_size;
 
-float farthest_in(ivec2 low, ivec2 high) {
+#ifdef PEELED
+#define chosen max
+const float none = 0.0;
+#else
+#define chosen min
+const float none = 1.0;
+#endif
+
+float depth_in(ivec2 low, ivec2 high) {
     // A level at which a few texels cover it.
     int level = 0;
     while (level + 1 < levels && any(greaterThan((high >> level) - (low >> level), ivec2(3)))) ++level;
     low >>= level;
     high >>= level;
-    float farthest = 1.0;
+    float depth = none;
     for (int y = low.y; y <= high.y; ++y)
-        for (int x = low.x; x <= high.x; ++x) farthest = min(farthest, texelFetch(farthest_depth, ivec2(x, y), level).r);
-    return farthest;
+        for (int x = low.x; x <= high.x; ++x) depth = chosen(depth, texelFetch(pyramid, ivec2(x, y), level).r);
+    return depth;
 }
 
 void main() {
@@ -34,7 +42,7 @@ void main() {
     i += first_draw;
     vec3 low_m = boxes[2 * i].xyz, high_m = boxes[2 * i + 1].xyz;
     vec2 low = vec2(1.0), high = vec2(-1.0);
-    float nearest = 0.0;
+    float nearest = 0.0, farthest = 1.0;
     for (int corner = 0; corner < 8; ++corner) {
         vec3 at = mix(low_m, high_m, vec3(corner & 1, (corner >> 1) & 1, corner >> 2));
         vec4 clip = clip_from_model * vec4(at, 1.0);
@@ -42,13 +50,19 @@ void main() {
         low = min(low, clip.xy / clip.w);
         high = max(high, clip.xy / clip.w);
         nearest = max(nearest, clip.z / clip.w);
+        farthest = min(farthest, clip.z / clip.w);
     }
     // In texels of the first level, two pixels wide; one more for rounding.
     vec2 top_left = 0.25 * (vec2(low.x, -high.y) + 1.0) * picture_px, bottom_right = 0.25 * (vec2(high.x, -low.y) + 1.0) * picture_px;
     ivec2 first = clamp(ivec2(floor(top_left)) - 1, ivec2(0), level_0_size - 1);
     ivec2 last = clamp(ivec2(floor(bottom_right)) + 1, ivec2(0), level_0_size - 1);
     const float slack = 1.00001;
-    if (nearest * slack < farthest_in(first, last)) {
+#ifdef PEELED
+    bool is_passed_over = farthest > slack * depth_in(first, last);
+#else
+    bool is_passed_over = nearest * slack < depth_in(first, last);
+#endif
+    if (is_passed_over) {
         draws[i].count = 0u;
         draws[i].instances = 0u;
     }

@@ -12,16 +12,12 @@ uniform sampler2D nearest_depth_share;  // near_m / z of what is in front
 #endif
 #ifdef PEEL
 uniform usampler2D nearest_id;          // of the layer in front
-uniform sampler2D covered;              // by the layers in front: alpha
-uniform float enough;
 #endif
 
 void main() {
 #ifdef PEEL
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     uint in_front = texelFetch(nearest_id, pixel, 0).r;
-    // Whoever had no sphere in the layer before has none behind it.
-    if (in_front == 0u || texelFetch(covered, pixel, 0).a >= enough) discard;
 #endif
     float depth = meet_depth();
     if (depth < 0.0) discard;

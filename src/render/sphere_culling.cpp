@@ -30,7 +30,8 @@ void DepthPyramid::build(ShaderLibrary& shaders, const Texture2D& depth, int wid
     if (!levels_ || levels_.width() < width_ || levels_.height() < height_) {
         levels_ = Texture2D({.format = GL_R32F, .width = power(width_), .height = power(height_), .levels = 0});
     }
-    Program& program = shaders.compute("spheres/pyramid.comp");
+    Program& program = shaders.compute("spheres/pyramid.comp",
+                                       holds_ == Holds::nearest ? ShaderDefines{{"NEAREST", "1"}} : ShaderDefines{});
     program.use();
     used_levels_ = 0;
     int finer_width = width, finer_height = height;
@@ -50,7 +51,7 @@ void DepthPyramid::build(ShaderLibrary& shaders, const Texture2D& depth, int wid
 }
 
 void DepthPyramid::bind(Program& program, GLuint unit) const {
-    program.bind_texture("farthest_depth", unit, levels_);
+    program.bind_texture("pyramid", unit, levels_);
     program.set("levels", used_levels_);
     program.set("level_0_size", Eigen::Vector2i(width_, height_));
 }
@@ -113,12 +114,18 @@ void SphereCulling::draw(const Drawn& drawn, const SphereVisibility& visibility)
     }
     points_.upload();
     triangles_.upload();
+    if (culls && drawn.peeled != nullptr) {
+        peeled_.build(shaders_, *drawn.peeled, drawn.width, drawn.height);
+        cull(drawn, peeled_, points_, 0, points_.commands.size());
+        cull(drawn, peeled_, triangles_, 0, triangles_.commands.size());
+        glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+    }
     Round begin;
     for (const Round& round : rounds) {
         if (culls && &round != rounds.data()) {
             pyramid_.build(shaders_, *drawn.depth, drawn.width, drawn.height);
-            cull_round(drawn, points_, begin.points_end, round.points_end);
-            cull_round(drawn, triangles_, begin.triangles_end, round.triangles_end);
+            cull(drawn, pyramid_, points_, begin.points_end, round.points_end);
+            cull(drawn, pyramid_, triangles_, begin.triangles_end, round.triangles_end);
             glMemoryBarrier(GL_COMMAND_BARRIER_BIT);
         }
         draw_round(drawn, points_, begin.points_end, round.points_end);
@@ -143,14 +150,17 @@ void SphereCulling::draw_round(const Drawn& drawn, const List& list, std::size_t
                               sizeof(Command));
 }
 
-void SphereCulling::cull_round(const Drawn& drawn, const List& list, std::size_t first, std::size_t end) {
+void SphereCulling::cull(const Drawn& drawn, const DepthPyramid& pyramid, const List& list, std::size_t first,
+                         std::size_t end) {
     if (first == end) return;
-    Program& cull = shaders_.compute("spheres/cull.comp");
-    cull.use();
-    drawn.rays.set(cull);
-    pyramid_.bind(cull, sphere_unit);
-    cull.set("first_draw", static_cast<int>(first));
-    cull.set("draw_count", static_cast<int>(end - first));
+    Program& program = shaders_.compute("spheres/cull.comp", pyramid.holds() == DepthPyramid::Holds::nearest
+                                                                 ? ShaderDefines{{"PEELED", "1"}}
+                                                                 : ShaderDefines{});
+    program.use();
+    drawn.rays.set(program);
+    pyramid.bind(program, sphere_unit);
+    program.set("first_draw", static_cast<int>(first));
+    program.set("draw_count", static_cast<int>(end - first));
     list.draws.bind(GL_SHADER_STORAGE_BUFFER, 0);
     list.bounds.bind(GL_SHADER_STORAGE_BUFFER, 1);
     constexpr int group = 64;

@@ -17,16 +17,21 @@ struct SphereVisibility {
     bool occlusion = true;  // what is behind what was drawn before is passed over
 };
 
-/// The farthest depths of a picture, level by level: each holds the farthest of 2 × 2 texels of the one before.
+/// The farthest depths of a picture, or the nearest, level by level: each holds that of 2 × 2 texels of the one before.
 class DepthPyramid {
 public:
+    enum class Holds { farthest, nearest };
+    explicit DepthPyramid(Holds holds) : holds_(holds) {}
+
     /// Of the top-left width × height pixels; GPU work only.
     void build(ShaderLibrary& shaders, const Texture2D& depth, int width, int height);
     /// The uniforms of shaders/spheres/cull.comp.
     void bind(Program& program, GLuint unit) const;
+    Holds holds() const { return holds_; }
     const Texture2D& texture() const { return levels_; }
 
 private:
+    Holds holds_;
     Texture2D levels_;
     int width_ = 0, height_ = 0;  // of the first level's part that is used
     int used_levels_ = 0;
@@ -42,10 +47,11 @@ public:
     struct Drawn {
         const SphereGeometry& geometry;
         const SphereRays& rays;
-        Program& points;                   // spheres/sphere.vert
-        Program& triangles;                // the same with TRIANGLES
-        const Texture2D* depth = nullptr;  // what is drawn into, for tests of occlusion; null: none are made
-        int width = 0, height = 0;         // of its part that is used
+        Program& points;                    // spheres/sphere.vert
+        Program& triangles;                 // the same with TRIANGLES
+        const Texture2D* depth = nullptr;   // what is drawn into, for tests of occlusion; null: none are made
+        int width = 0, height = 0;          // of its part that is used
+        const Texture2D* peeled = nullptr;  // the depth of the layer that was peeled off last; null: nothing was
     };
     void draw(const Drawn& drawn, const SphereVisibility& visibility);
 
@@ -71,10 +77,11 @@ private:
         std::size_t left() const;  // that were not taken out
     };
     void draw_round(const Drawn& drawn, const List& list, std::size_t first, std::size_t end) const;
-    void cull_round(const Drawn& drawn, const List& list, std::size_t first, std::size_t end);
+    /// Takes out what the pyramid shows to be hidden or, where it is of a peeled layer, to be before that.
+    void cull(const Drawn& drawn, const DepthPyramid& pyramid, const List& list, std::size_t first, std::size_t end);
 
     ShaderLibrary& shaders_;
-    DepthPyramid pyramid_;
+    DepthPyramid pyramid_{DepthPyramid::Holds::farthest}, peeled_{DepthPyramid::Holds::nearest};
     List points_, triangles_{.commands = {}, .boxes = {}, .draws = {}, .bounds = {}, .is_points = false};
 };
 

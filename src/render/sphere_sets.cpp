@@ -50,7 +50,7 @@ void SphereSets::Targets::fit(int width, int height) {
 }
 
 void SphereSets::draw(std::span<const PlacedSpheres> placed, int width, int height, Targets& targets,
-                      const ShaderDefines& defines, const std::function<void(Program&)>& set_up) {
+                      const Sought& sought) {
     targets.fit(width, height);
     targets.target.bind({0, 0, width, height});
     glEnable(GL_SCISSOR_TEST);
@@ -59,8 +59,11 @@ void SphereSets::draw(std::span<const PlacedSpheres> placed, int width, int heig
     targets.target.clear_depth();
     glDisable(GL_SCISSOR_TEST);
     set_depth_state();
+    if (sought.begin) sought.begin();
     const std::vector<ShaderStage> stages{{GL_VERTEX_SHADER, "spheres/sphere.vert"},
                                           {GL_FRAGMENT_SHADER, "spheres/visible.frag"}};
+    ShaderDefines defines;
+    if (sought.define != nullptr) defines[sought.define] = "1";
     Program& points = shaders_.program(stages, defines);
     ShaderDefines of_triangles = defines;
     of_triangles["TRIANGLES"] = "1";
@@ -72,7 +75,7 @@ void SphereSets::draw(std::span<const PlacedSpheres> placed, int width, int heig
             program->use();
             rays.set(*program);
             program->set("first_id", first_id(one.set));
-            if (set_up) set_up(*program);
+            if (sought.set_up) sought.set_up(*program);
         }
         culling_.draw({.geometry = geometry(one.set),
                        .rays = rays,
@@ -80,7 +83,8 @@ void SphereSets::draw(std::span<const PlacedSpheres> placed, int width, int heig
                        .triangles = triangles,
                        .depth = &targets.depth,
                        .width = width,
-                       .height = height},
+                       .height = height,
+                       .peeled = sought.peeled},
                       visibility);
     }
     glDisable(GL_DEPTH_TEST);
@@ -89,13 +93,14 @@ void SphereSets::draw(std::span<const PlacedSpheres> placed, int width, int heig
 
 SeenSpheres SphereSets::see(std::span<const PlacedSpheres> placed, int width, int height,
                             const Texture2D* nearer_share) {
-    Targets& targets = nearer_share != nullptr ? behind_ : nearest_;
-    ShaderDefines defines;
-    if (nearer_share != nullptr) defines["BEHIND"] = "1";
-    draw(placed, width, height, targets, defines, [&](Program& program) {
-        if (nearer_share != nullptr) program.bind_texture("nearest_depth_share", peeling_unit, *nearer_share);
-    });
-    return {&targets.id, &targets.depth};
+    if (nearer_share == nullptr) {
+        draw(placed, width, height, nearest_, {});
+        return {&nearest_.id, &nearest_.depth};
+    }
+    draw(placed, width, height, behind_, {.define = "BEHIND", .set_up = [&](Program& program) {
+                                              program.bind_texture("nearest_depth_share", peeling_unit, *nearer_share);
+                                          }});
+    return {&behind_.id, &behind_.depth};
 }
 
 SeenSpheres SphereSets::see_next(std::span<const PlacedSpheres> placed, int width, int height, const Texture2D& covered,
@@ -103,12 +108,25 @@ SeenSpheres SphereSets::see_next(std::span<const PlacedSpheres> placed, int widt
     assert(last_ != nullptr);
     const Targets& before = *last_;
     Targets& targets = &before == peeled_.data() ? peeled_[1] : peeled_[0];
-    draw(placed, width, height, targets, {{"PEEL", "1"}}, [&](Program& program) {
-        program.bind_texture("nearest_depth_share", peeling_unit, before.depth);
-        program.bind_texture("nearest_id", peeling_unit + 1, before.id);
-        program.bind_texture("covered", peeling_unit + 2, covered);
-        program.set("enough", enough);
-    });
+    const auto leave_finished = [&] {
+        Program& finished = shaders_.full_screen("spheres/finished.frag");
+        finished.use();
+        finished.bind_texture("nearest_id", peeling_unit, before.id);
+        finished.bind_texture("covered", peeling_unit + 1, covered);
+        finished.set("enough", enough);
+        glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+        triangle_.draw();
+        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    };
+    draw(placed, width, height, targets,
+         {.define = "PEEL",
+          .set_up =
+              [&](Program& program) {
+                  program.bind_texture("nearest_depth_share", peeling_unit, before.depth);
+                  program.bind_texture("nearest_id", peeling_unit + 1, before.id);
+              },
+          .begin = leave_finished,
+          .peeled = &before.depth});
     return {&targets.id, &targets.depth};
 }
 

@@ -78,8 +78,14 @@ private:
         void fit(int width, int height);
     };
 
-    void draw(std::span<const PlacedSpheres> placed, int width, int height, Targets& targets,
-              const ShaderDefines& defines, const std::function<void(Program&)>& set_up);
+    /// How the spheres that are looked for differ from all.
+    struct Sought {
+        const char* define = nullptr;  // of spheres/visible.frag; null: none
+        std::function<void(Program&)> set_up = {};
+        std::function<void()> begin = {};   // draws into the target before them
+        const Texture2D* peeled = nullptr;  // the depth of the layer before
+    };
+    void draw(std::span<const PlacedSpheres> placed, int width, int height, Targets& targets, const Sought& sought);
 
     ShaderLibrary& shaders_;
     std::vector<Set> sets_;
@@ -88,6 +94,7 @@ private:
     std::array<Targets, 2> peeled_;  // in turn
     const Targets* last_ = nullptr;  // what see() or see_next() drew last
     SphereCulling culling_;
+    FullScreenTriangle triangle_;
 };
 
 }  // namespace matchlight

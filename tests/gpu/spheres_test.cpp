@@ -355,6 +355,21 @@ TEST_F(PeelingTest, layers_add_up_in_the_order_of_the_ray) {
     }
 }
 
+TEST_F(PeelingTest, what_is_passed_over_changes_no_pixel) {
+    SphereSet set = random_set(150'000, 0.004F, 0.012F);
+    set.opacity = 0.5F;
+    surfaces.add_spheres({.material = glowing({1, 0.5, 0.2})}, set);
+    surfaces.set_peeling(0.01, 12);
+    surfaces.spheres()->visibility = {.frustum = false, .occlusion = false};
+    const ImageF all = draw();
+    const std::size_t all_cells = surfaces.spheres()->culling().cells_drawn();
+    surfaces.spheres()->visibility = {.frustum = true, .occlusion = true};
+    const ImageF tested = draw();
+    EXPECT_LT(surfaces.spheres()->culling().cells_drawn(), all_cells);
+    EXPECT_TRUE(std::ranges::equal(all.samples(), tested.samples()));
+    EXPECT_GT(all.at(32, 32, 3), 0.98F);
+}
+
 TEST_F(PeelingTest, fewer_layers_where_more_may_be_let_through) {
     SphereSet set = random_set(400, 0.1F, 0.2F);
     set.opacity = 0.5F;

@@ -66,7 +66,7 @@ Region texels_of(const Eigen::AlignedBox2d& part_m, const Eigen::AlignedBox2d& r
 
 /// Along the light onto the map, as flatten.vert does it; depth ½ is the surface, more lies above it.
 SphereProjection flattening_view(const Eigen::Vector3d& to_light, double surface_z_m, double highest_m,
-                           const ShadowMap& map) {
+                                 const ShadowMap& map) {
     const Eigen::Vector2d low_m = map.rectangle_m.min(), size_m = map.rectangle_m.sizes();
     const Eigen::Vector2d lean = to_light.head<2>() / to_light.z();
     SphereProjection view{.width = map.loss.width(), .height = map.loss.height(), .is_parallel = true};

@@ -45,7 +45,7 @@ public:
 
 private:
     SphereProjection map_view(const Eigen::Vector3d& to_light, const Eigen::Vector3d& axis_u,
-                        const Eigen::Vector3d& axis_v) const;
+                              const Eigen::Vector3d& axis_v) const;
 
     Texture2D depth_;  // an array, one layer a direction: height towards the light, 0..1 over the bounding sphere
     Buffer lights_;    // a direction: towards the light, its light, the map's two axes

@@ -41,7 +41,8 @@ TEST_F(GeneratedSpheres, FillACubeOfAMetre) {
 
 TEST_F(GeneratedSpheres, AreTheSameFromTheSameSeed) {
     // Known bytes: places are whole numbers until the last step, so that every machine has these.
-    const std::vector<std::string> hashes = {"6e00c129b1025aa4", "a72bb8dc82676a0c", "7f18553430989859", "22d29256c61738e7"};
+    const std::vector<std::string> hashes = {"6e00c129b1025aa4", "a72bb8dc82676a0c", "7f18553430989859",
+                                             "22d29256c61738e7"};
     for (std::size_t i = 0; i < 4; ++i) {
         const std::string_view name = generated_sets()[i].name;
         const SphereSet set = generate_sphere_set({.name = name, .seed = 7, .count = 5000});
