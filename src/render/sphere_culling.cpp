@@ -145,8 +145,8 @@ void SphereCulling::draw_round(const Drawn& drawn, const List& list, std::size_t
     glEnable(GL_PROGRAM_POINT_SIZE);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, list.draws.name());
     // NOLINTNEXTLINE(performance-no-int-to-ptr): OpenGL's own way of passing an offset
-    glMultiDrawArraysIndirect(list.is_points ? GL_POINTS : GL_TRIANGLES,
-                              reinterpret_cast<const void*>(first * sizeof(Command)), static_cast<GLsizei>(end - first),
+    const auto* offset = reinterpret_cast<const void*>(first * sizeof(Command));
+    glMultiDrawArraysIndirect(list.is_points ? GL_POINTS : GL_TRIANGLES, offset, static_cast<GLsizei>(end - first),
                               sizeof(Command));
 }
 
