@@ -1,5 +1,5 @@
 #version 450 core
-// Spheres seen along parallel light: only depth is kept.
+// Spheres seen along parallel light: only depth is kept. Links with spheres/sphere.vert.
 #include "spheres/meet.glsl"
 
 layout(depth_less) out float gl_FragDepth;
