@@ -9,15 +9,12 @@
 #include <functional>
 
 #include "gl/framebuffer.h"
-#include "gl/shader_library.h"
 #include "render/sphere_sets.h"
 
 namespace matchlight {
 
 class SpherePeeling {
 public:
-    explicit SpherePeeling(ShaderLibrary& shaders) : shaders_(shaders) {}
-
     struct Peeled {
         SphereSets& sets;
         std::span<const PlacedSpheres> placed;
@@ -37,7 +34,6 @@ public:
     const Texture2D& first_depth_share() const { return *first_.depth_share; }
 
 private:
-    ShaderLibrary& shaders_;
     Texture2D light_;
     SeenSpheres first_;
     Framebuffer target_;

@@ -286,7 +286,7 @@ private:
     FullScreenTriangle triangle_;  // and the cells of the lens' grid
     std::unique_ptr<SphereSets> spheres_;
     SeenSpheres seen_spheres_;
-    std::unique_ptr<SpherePeeling> peeling_;
+    SpherePeeling peeling_;
     double peeling_residual_ = 1.0 / 255 / 64;  // half a code in the darkest part of the sRGB curve, and less elsewhere
     int most_peeled_layers_ = 4096;
     int peeled_layers_ = 0;

@@ -82,14 +82,13 @@ void SurfaceRenderer::set_peeling(double residual, int most_layers) {
 void SurfaceRenderer::draw_peeled_spheres(const Environment& environment, const SurfaceView& view,
                                           const SurfaceShading& shading, const Framebuffer& target) {
     if (!any_spheres_blend()) return;
-    if (!peeling_) peeling_ = std::make_unique<SpherePeeling>(shaders_);
     const auto placed = placed_spheres(view, &Object::has_blending_spheres);
     // How the lens blurs it, and what of it is virtual, is told of all layers at once.
     SurfaceView of_light = view;
     of_light.lens.reset();
     of_light.parts_coverage = false;
     Program& light = *light_programs(environment, of_light, shading).spheres;
-    peeled_layers_ = peeling_->peel({.sets = *spheres_,
+    peeled_layers_ = peeling_.peel({.sets = *spheres_,
                                      .placed = placed,
                                      .width = view.width,
                                      .height = view.height,
@@ -103,8 +102,8 @@ void SurfaceRenderer::draw_peeled_spheres(const Environment& environment, const 
     Program& over = shaders_.full_screen("surface/peeled.frag", view_defines(view));
     target.bind({0, 0, view.width, view.height});
     over.use();
-    over.bind_texture("peeled_light", seen_unit, peeling_->light());
-    over.bind_texture("first_depth", seen_unit + 1, peeling_->first_depth_share());
+    over.bind_texture("peeled_light", seen_unit, peeling_.light());
+    over.bind_texture("first_depth", seen_unit + 1, peeling_.first_depth_share());
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // premultiplied
     triangle_.draw();

@@ -145,7 +145,8 @@ bool NearLightTrial::is_measured(int x, int y) const {
     const Eigen::Vector3d eye_m = solve_.frames.front().camera_from_world->inverse().translation();
     // Not beside an edge, where a pixel shows more than what is measured.
     for (int i = 0; i < 9; ++i) {
-        const Eigen::Vector3d point_m = point_at(x + i % 3 - 1, y + i / 3 - 1);
+        const int beside = i % 3 - 1, below = i / 3 - 1;
+        const Eigen::Vector3d point_m = point_at(x + beside, y + below);
         if (point_m.head<2>().cwiseAbs().maxCoeff() > slab_m / 2 || lamp_is_met(eye_m, point_m - eye_m)) return false;
     }
     return true;
