@@ -89,16 +89,16 @@ void SurfaceRenderer::draw_peeled_spheres(const Environment& environment, const 
     of_light.parts_coverage = false;
     Program& light = *light_programs(environment, of_light, shading).spheres;
     peeled_layers_ = peeling_.peel({.sets = *spheres_,
-                                     .placed = placed,
-                                     .width = view.width,
-                                     .height = view.height,
-                                     .opaque_depth = targets_->depth,
-                                     .residual = peeling_residual_,
-                                     .most_layers = most_peeled_layers_,
-                                     .light = [&](const SeenSpheres& layer) {
-                                         seen_spheres_ = layer;
-                                         draw_seen_spheres(light, of_light, {});
-                                     }});
+                                    .placed = placed,
+                                    .width = view.width,
+                                    .height = view.height,
+                                    .opaque_depth = targets_->depth,
+                                    .residual = peeling_residual_,
+                                    .most_layers = most_peeled_layers_,
+                                    .light = [&](const SeenSpheres& layer) {
+                                        seen_spheres_ = layer;
+                                        draw_seen_spheres(light, of_light, {});
+                                    }});
     Program& over = shaders_.full_screen("surface/peeled.frag", view_defines(view));
     target.bind({0, 0, view.width, view.height});
     over.use();
