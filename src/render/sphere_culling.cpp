@@ -86,12 +86,14 @@ void SphereCulling::draw(const Drawn& drawn, const SphereVisibility& visibility)
     struct Sorted {
         const SphereCell* cell;
         double depth;
+        SphereRays::Place place;
     };
     std::vector<Sorted> sorted;
     sorted.reserve(drawn.geometry.cells().size());
     for (const SphereCell& cell : drawn.geometry.cells()) {
-        if (visibility.frustum && drawn.rays.place(cell) == SphereRays::Place::outside) continue;
-        sorted.push_back({&cell, drawn.rays.nearest_depth(cell)});
+        const SphereRays::Place place = drawn.rays.place(cell);
+        if (visibility.frustum && place == SphereRays::Place::outside) continue;
+        sorted.push_back({&cell, drawn.rays.nearest_depth(cell), place});
     }
     std::ranges::stable_sort(sorted, std::greater<>(), &Sorted::depth);
     const bool culls = visibility.occlusion && drawn.depth != nullptr && drawn.geometry.size() >= fewest_to_cull;
@@ -104,11 +106,9 @@ void SphereCulling::draw(const Drawn& drawn, const SphereVisibility& visibility)
     for (const double share : round_ends) {
         const auto end = static_cast<std::size_t>(std::llround(share * static_cast<double>(sorted.size())));
         for (; done < end; ++done) {
-            const SphereCell& cell = *sorted[done].cell;
-            if (drawn.rays.place(cell) == SphereRays::Place::small)
-                points_.add(cell);
-            else
-                triangles_.add(cell);
+            const Sorted& next = sorted[done];
+            List& list = next.place == SphereRays::Place::small ? points_ : triangles_;
+            list.add(*next.cell);
         }
         rounds.push_back({points_.commands.size(), triangles_.commands.size()});
     }

@@ -28,7 +28,6 @@ public:
     /// The uniforms of shaders/spheres/cull.comp.
     void bind(Program& program, GLuint unit) const;
     Holds holds() const { return holds_; }
-    const Texture2D& texture() const { return levels_; }
 
 private:
     Holds holds_;
@@ -55,7 +54,6 @@ public:
     };
     void draw(const Drawn& drawn, const SphereVisibility& visibility);
 
-    const DepthPyramid& pyramid() const { return pyramid_; }
     /// Cells that the last draw did not pass over: waits for the GPU. For reports and tests.
     std::size_t cells_drawn() const;
 

@@ -36,7 +36,6 @@ public:
     Place place(const SphereCell& cell) const;
     /// The depth of its nearest corner; more than 1 before the near plane.
     double nearest_depth(const SphereCell& cell) const;
-    const Eigen::Matrix4d& clip_from_model() const { return clip_from_model_; }
 
 private:
     Eigen::Vector3d origin() const;

@@ -70,6 +70,9 @@ struct SurfaceView {
     const RealDepth* real_depth = nullptr;  // null: not known
 };
 
+/// How the view sees an object: apart or as the rest.
+ObjectView view_of_object(const SurfaceView& view, std::size_t object);
+
 /// Points into textures of the renderer that may be larger than the view and hold until its next draw: the picture is
 /// their top-left width × height. Layers are null unless drawn.
 struct SurfacePicture {

@@ -68,6 +68,11 @@ void leave_state() {
 
 }  // namespace
 
+ObjectView view_of_object(const SurfaceView& view, std::size_t object) {
+    const auto apart = std::ranges::find(view.apart, object, &ObjectView::object);
+    return apart != view.apart.end() ? *apart : ObjectView{object, view.clip_from_world, view.eye_world_m};
+}
+
 void SurfaceRenderer::draw_mesh(Program& program, const SurfaceView& view, const Object& object,
                                 const Mesh& mesh) const {
     const SurfaceMaterial& material = object.material_of(mesh);
@@ -103,12 +108,9 @@ void SurfaceRenderer::place(Program& program, const SurfaceView& view, const Obj
     const auto index = static_cast<std::size_t>(&object - objects_.data());
     if (view.lens) set_focus(program, *view.lens, index);
     const Eigen::Matrix3d linear = object.world_from_model.topLeftCorner<3, 3>();
-    const auto apart = std::ranges::find(view.apart, index, &ObjectView::object);
-    const bool is_apart = apart != view.apart.end();
-    const Eigen::Matrix4d& clip_from_world = is_apart ? apart->clip_from_world : view.clip_from_world;
-    const Eigen::Vector3d& eye_world_m = is_apart ? apart->eye_world_m : view.eye_world_m;
-    program.set("clip_from_model", Eigen::Matrix4f((clip_from_world * object.world_from_model).cast<float>()));
-    if (!view.apart.empty()) program.set("eye_world", Eigen::Vector3f(eye_world_m.cast<float>()));
+    const ObjectView seen = view_of_object(view, index);
+    program.set("clip_from_model", Eigen::Matrix4f((seen.clip_from_world * object.world_from_model).cast<float>()));
+    if (!view.apart.empty()) program.set("eye_world", Eigen::Vector3f(seen.eye_world_m.cast<float>()));
     program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
     program.set("normal_from_model", Eigen::Matrix3f(linear.inverse().transpose().cast<float>()));
     program.set("reflects_sphere_map", object.reflection == ReflectionForm::sphere_map);

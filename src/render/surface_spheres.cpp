@@ -60,9 +60,7 @@ std::vector<PlacedSpheres> SurfaceRenderer::placed_spheres(const SurfaceView& vi
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         const Object& object = objects_[i];
         if (!object.is_spheres() || !of(object)) continue;
-        const auto apart = std::ranges::find(view.apart, i, &ObjectView::object);
-        placed.push_back({*object.spheres, object.world_from_model,
-                          apart != view.apart.end() ? apart->clip_from_world : view.clip_from_world});
+        placed.push_back({*object.spheres, object.world_from_model, view_of_object(view, i).clip_from_world});
     }
     return placed;
 }
@@ -119,11 +117,9 @@ void SurfaceRenderer::draw_seen_spheres(Program& program, const SurfaceView& vie
         const Object& object = objects_[i];
         if (!object.is_spheres()) continue;
         place(program, view, object, place_more);
-        const auto apart = std::ranges::find(view.apart, i, &ObjectView::object);
-        SphereRays({.clip_from_world = apart != view.apart.end() ? apart->clip_from_world : view.clip_from_world,
-                    .width = view.width,
-                    .height = view.height},
-                   object.world_from_model)
+        SphereRays(
+            {.clip_from_world = view_of_object(view, i).clip_from_world, .width = view.width, .height = view.height},
+            object.world_from_model)
             .set(program);
         const SphereGeometry& geometry = spheres_->geometry(*object.spheres);
         geometry.bind(program, geometry_unit);
