@@ -34,6 +34,8 @@ struct Probe {
 struct ProbePlacement {
     double rotation_deg = 0;  // turns the light counter-clockwise seen from above
     double exposure_ev = 0;   // radiance × 2^ev
+
+    bool operator==(const ProbePlacement&) const = default;
 };
 
 /// Direction of the lat-long pixel (x, y), whose centre lies at (x + ½, y + ½) / size.

@@ -23,6 +23,7 @@ struct BloomSettings {
     bool firefly_safe = true;  // a very bright pixel that stands alone is held back; not at the level `classic`
 
     void check() const;
+    bool operator==(const BloomSettings&) const = default;
 };
 
 enum class GlareLevel { classic, streaks, diffraction, reference };
@@ -68,6 +69,7 @@ struct DazzleSettings {
     std::optional<GlareSettings> glare = {};  // a shape of their own
 
     void check() const;
+    bool operator==(const DazzleSettings&) const = default;
 };
 
 enum class ExposureMode { matched, simulated };
@@ -97,6 +99,7 @@ struct ExposureSettings {
     double compensation_ev = 0;
 
     void check() const;
+    bool operator==(const ExposureSettings&) const = default;
 };
 
 /// How simulated exposure control exposes a frame: scene-linear light · 2^ev, of which light of `white` and above is
@@ -140,6 +143,7 @@ struct DepthOfFieldSettings {
     ReflectionFocus reflections = ReflectionFocus::virtual_image;
 
     void check() const;
+    bool operator==(const DepthOfFieldSettings&) const = default;
 };
 /// Circles of confusion narrower than this, in plate pixels, are none.
 inline constexpr double least_coc_px = 0.25;
@@ -155,6 +159,7 @@ struct MotionBlurSettings {
     int sub_frames = 8;                  // of that level
 
     void check() const;
+    bool operator==(const MotionBlurSettings&) const = default;
 };
 /// Ways shorter than this, in plate pixels, are none.
 inline constexpr double least_motion_px = 0.25;
@@ -169,6 +174,7 @@ struct GrainSettings {
     int seed = 1;
 
     void check() const;
+    bool operator==(const GrainSettings&) const = default;
 };
 
 /// The lens' fall-off: gain = 1 + v1 r² + v2 r⁴, r = 1 in the corners. The solve's unless given.
@@ -176,6 +182,7 @@ struct VignetteSettings {
     std::optional<double> v1 = {}, v2 = {};
 
     void check() const;
+    bool operator==(const VignetteSettings&) const = default;
 };
 
 /// Red and blue displaced along the radius, away from the middle, in plate pixels at the frame's corners.
@@ -183,6 +190,7 @@ struct ChromaticAberrationSettings {
     std::optional<double> red_px = {}, blue_px = {};
 
     void check() const;
+    bool operator==(const ChromaticAberrationSettings&) const = default;
 };
 
 /// What codec and resampling blurred in the footage, as a Gaussian.
@@ -190,6 +198,7 @@ struct SoftnessSettings {
     std::optional<double> sigma_px = {};  // the solve's unless given
 
     void check() const;
+    bool operator==(const SoftnessSettings&) const = default;
 };
 
 struct EffectSettings {
@@ -203,6 +212,8 @@ struct EffectSettings {
     std::optional<ChromaticAberrationSettings> chromatic_aberration;
     std::optional<SoftnessSettings> softness;
     std::optional<VignetteSettings> vignette = VignetteSettings{};  // nullopt: off
+
+    bool operator==(const EffectSettings&) const = default;
 };
 
 }  // namespace matchlight

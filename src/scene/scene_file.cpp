@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "core/atomic_file.h"
 #include "core/error.h"
+#include "scene/scene_edit.h"
 #include "scene/scene_schema.h"
 #include "scene/setting_reader.h"
 
@@ -18,9 +18,6 @@ namespace matchlight {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A scene file is text a person writes; this is thousands of objects.
-constexpr std::size_t scene_limit_bytes = 16u << 20;
 
 /// Number of tags in each family (AprilTag 3's code tables).
 const std::map<std::string, int, std::less<>> family_sizes = {
@@ -434,16 +431,12 @@ void SceneReader::check_vignette(const toml::table& root) {
 }  // namespace
 
 Scene load_scene(const fs::path& path, Warnings& warnings) {
-    const SceneSource source{path};
-    const std::string text = read_text_file(path, scene_limit_bytes);
-    toml::table root;
-    try {
-        root = toml::parse(text);
-    } catch (const toml::parse_error& error) {
-        throw InputError(InputErrorParts{path, std::nullopt, std::string(error.description()), "",
-                                         static_cast<std::int64_t>(error.source().begin.line)});
-    }
-    Scene scene = SceneReader(source, warnings).read(root);
+    return load_scene(SceneText::load(path), warnings);
+}
+
+Scene load_scene(const SceneText& text, Warnings& warnings) {
+    const fs::path& path = text.path();
+    Scene scene = SceneReader(SceneSource{path}, warnings).read(toml::parse(text.text()));
     if (scene.footage.solve.empty() && !scene.camera) {
         scene.footage.solve = path.parent_path() / (path.stem().string() + ".solve.json");
     }

@@ -37,12 +37,21 @@ struct FootageSettings {
     std::filesystem::path matte;              // what is real and in front, a picture a frame; empty: nothing
     std::filesystem::path depth;              // of what the footage shows; empty: not known
     std::optional<double> depth_scale;        // metres a unit
+
+    bool operator==(const FootageSettings&) const = default;
 };
 
 struct RigTag {
     int id = 0;
     double size_m = 0;
     std::optional<RigidTransform> world_from_tag;  // absent: to be solved
+
+    bool operator==(const RigTag& other) const {
+        const bool same_place = world_from_tag && other.world_from_tag
+                                    ? world_from_tag->matrix() == other.world_from_tag->matrix()
+                                    : world_from_tag.has_value() == other.world_from_tag.has_value();
+        return id == other.id && size_m == other.size_m && same_place;
+    }
 };
 
 struct TagSettings {
@@ -50,6 +59,8 @@ struct TagSettings {
     std::vector<RigTag> rig;
     double white_albedo = 0.8;
     double black_albedo = 0.04;
+
+    bool operator==(const TagSettings&) const = default;
 };
 
 struct ProbeSettings {
@@ -57,6 +68,8 @@ struct ProbeSettings {
     std::optional<ProbeMapping> mapping;
     ProbePlacement placement;
     std::optional<Eigen::Vector3d> place_m;  // where it was taken, in the world
+
+    bool operator==(const ProbeSettings&) const = default;
 };
 
 enum class ReflectionForm { cube, sphere_map };
@@ -68,6 +81,8 @@ struct MaterialOverride {
     std::optional<std::array<double, 3>> emissive;  // radiance, probe units
     std::optional<std::array<double, 3>> diffuse;   // Od of the classic model
     std::optional<std::array<double, 3>> specular;  // Ks of the classic model
+
+    bool operator==(const MaterialOverride&) const = default;
 };
 
 /// How an object stands at a frame.
@@ -76,18 +91,24 @@ struct ObjectKey {
     Eigen::Vector3d translate_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d rotate_deg = Eigen::Vector3d::Zero();
     Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+
+    bool operator==(const ObjectKey&) const = default;
 };
 
 /// A steady turn about an axis through the object's origin, on top of how it stands.
 struct SpinSettings {
     Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  // in the axes that translate is in; any length but 0
     double turns_per_second = 0;                      // counter-clockwise seen from the axis' tip
+
+    bool operator==(const SpinSettings&) const = default;
 };
 
 /// What an object is blurred by in place of the lens' own focus (Kosloff & Barsky 2007, "An Algorithm for Rendering
 /// Generalized Depth of Field Effects Based on Simulated Heat Diffusion").
 struct FocusOverride {
     std::optional<double> distance_m;  // as if the lens were focused there; absent: sharp everywhere
+
+    bool operator==(const FocusOverride&) const = default;
 };
 
 /// Which axis of a file points up.
@@ -105,6 +126,8 @@ struct SphereSettings {
     std::string opacity_column;
     SphereAxes up = SphereAxes::z;
     std::int64_t frame = 0;  // of a trajectory
+
+    bool operator==(const SphereSettings&) const = default;
 };
 
 struct ObjectSettings {
@@ -125,6 +148,8 @@ struct ObjectSettings {
     bool holdout = false;  // it stands for a real thing: never drawn, it hides what is behind it
     std::optional<FocusOverride> focus;
     MaterialOverride material;
+
+    bool operator==(const ObjectSettings&) const = default;
 };
 
 struct SurfaceSettings {
@@ -133,6 +158,8 @@ struct SurfaceSettings {
     bool shadow = true;
     double reflection = 0;  // of light that falls on it straight on, mirrored; 0: it mirrors no objects
     double reflection_roughness = 0.1;
+
+    bool operator==(const SurfaceSettings&) const = default;
 };
 
 enum class QualityLevel { draft, preview, final_, reference };
@@ -147,6 +174,8 @@ struct OutputSettings {
     std::optional<std::string> pixel_format;  // the footage's own unless given
     std::string preset = "medium";            // of x264 and x265: faster or smaller
     bool audio = true;
+
+    bool operator==(const OutputSettings&) const = default;
 };
 
 struct Scene {

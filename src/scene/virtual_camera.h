@@ -18,6 +18,8 @@ struct OrbitSettings {
     double elevation_deg = 0;
     double from_deg = 0;  // at the first frame
     double to_deg = 360;  // at the last frame
+
+    bool operator==(const OrbitSettings&) const = default;
 };
 
 /// Where the camera stands at a frame, and what point it has in its middle.
@@ -25,12 +27,16 @@ struct CameraKey {
     std::int64_t frame = 0;
     Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d target_m = Eigen::Vector3d::Zero();
+
+    bool operator==(const CameraKey&) const = default;
 };
 
 struct LensSettings {
     double f_number = 2.8;
     double focus_distance_m = 1;
     double sensor_width_mm = 36;
+
+    bool operator==(const LensSettings&) const = default;
 };
 
 /// A camera without distortion; pixels are square.
@@ -43,6 +49,8 @@ struct CameraSettings {
     std::vector<CameraKey> keys;  // ascending; instead of an orbit
     std::optional<LensSettings> lens;
     double exposure_ev = 0;  // scene-linear light · 2^ev is plate-linear
+
+    bool operator==(const CameraSettings&) const = default;
 };
 
 /// What stands behind the objects: one of these, or black.
@@ -50,6 +58,8 @@ struct BackgroundSettings {
     bool probe = false;                          // the probe as skydome
     std::optional<std::array<double, 3>> color;  // scene-linear
     std::filesystem::path image;                 // of the camera's size
+
+    bool operator==(const BackgroundSettings&) const = default;
 };
 
 struct CameraView {
