@@ -18,6 +18,8 @@ packages=(
     # models and drawing; Mesa's software rasteriser serves where there is no GPU
     libassimp-dev libegl-dev libegl1 libegl-mesa0 libepoxy-dev libfftw3-dev libgl1-mesa-dri libglfw3-dev libglm-dev
     zlib1g-dev
+    # the preview's controls, and letters for them
+    libimgui-dev fonts-dejavu-core
     # a screen for the tests of the preview's window, where there is none
     xvfb
 )

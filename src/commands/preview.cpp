@@ -14,6 +14,7 @@
 #include "compositor/quality.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "preview/script.h"
 
 namespace matchlight {
 
@@ -25,6 +26,8 @@ struct PreviewArguments {
     std::string size;
     std::string keys;
     std::string snapshot;
+    std::string script;
+    std::string truth;
     bool overwrite = false;
 };
 
@@ -45,6 +48,9 @@ void preview(PreviewArguments arguments, CommandContext& context) {
     PreviewOptions& options = arguments.options;
     options.scene = arguments.scene;
     options.snapshot = arguments.snapshot;
+    options.script = arguments.script;
+    options.truth = arguments.truth;
+    options.overwrite = arguments.overwrite;
     options.quiet = context.quiet;
     options.keys = actions_of_keys(arguments.keys);
     if (!arguments.size.empty()) options.size = parse_size(arguments.size);
@@ -73,8 +79,8 @@ void preview(PreviewArguments arguments, CommandContext& context) {
 }  // namespace
 
 void add_preview_command(CLI::App& app, CommandContext& context) {
-    CLI::App* command = app.add_subcommand("preview", "Show the scene in a window: step, play, switch effects by key");
-    command->footer("Keys:\n" + preview_keys_text());
+    CLI::App* command = app.add_subcommand("preview", "Show the scene in a window: step, play, switch effects");
+    command->footer("Keys:\n" + preview_keys_text() + "\nScripts:\n" + script_help());
     const auto arguments = std::make_shared<PreviewArguments>();
     command->add_option("scene", arguments->scene, "Scene file")->required()->type_name("SCENE.toml");
     command->add_option("--frame", arguments->options.frame, "Show this frame first (0)")
@@ -98,7 +104,12 @@ void add_preview_command(CLI::App& app, CommandContext& context) {
         ->type_name("KEYS");
     command->add_option("--snapshot", arguments->snapshot, "Save what the window then shows, and quit")
         ->type_name("OUT.png");
-    command->add_flag("--overwrite", arguments->overwrite, "Replace what exists under the snapshot's name");
+    command->add_option("--truth", arguments->truth, "How the scene really looked: a picture, a pattern or a folder")
+        ->type_name("PATH");
+    command->add_option("--script", arguments->script, "Play these events into the window first, one a line")
+        ->type_name("FILE")
+        ->excludes("--snapshot");
+    command->add_flag("--overwrite", arguments->overwrite, "Replace what exists under the names of pictures");
     command->callback([=, &context] { preview(*arguments, context); });
 }
 

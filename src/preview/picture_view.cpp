@@ -1,4 +1,4 @@
-// One texture, one triangle; filtered only where the picture has another size than its place.
+// One texture a picture, one triangle; filtered only where the picture has another size than its place.
 #include "preview/picture_view.h"
 
 #include <cmath>
@@ -10,42 +10,46 @@
 
 namespace matchlight {
 
-void PictureView::set_picture(const Image8& picture, double pixel_aspect) {
+void ShownPicture::set(const Image8& picture, double pixel_aspect) {
     const int limit = current_gl_context()->info().max_texture_size;
     if (std::max(picture.width(), picture.height()) > limit) {
         throw InputError({}, fmt::format("a picture of {}×{} pixels cannot be shown: textures here end at {}",
                                          picture.width(), picture.height(), limit));
     }
-    if (!picture_ || picture_.width() != picture.width() || picture_.height() != picture.height()) {
-        picture_ = Texture2D({.format = GL_RGBA8, .width = picture.width(), .height = picture.height(), .levels = 0});
+    if (!texture_ || texture_.width() != picture.width() || texture_.height() != picture.height()) {
+        texture_ = Texture2D({.format = GL_RGBA8, .width = picture.width(), .height = picture.height(), .levels = 0});
     }
-    picture_.upload(picture);
+    texture_.upload(picture);
     pixel_aspect_ = pixel_aspect;
     has_mipmaps_ = false;
 }
 
-void PictureView::draw(int width, int height) {
+void PictureView::begin(int width, int height) {
     if (!target_ || target_.width() != width || target_.height() != height) {
         target_texture_ = Texture2D({.format = GL_RGBA8, .width = width, .height = height});
         target_ = Framebuffer({target_texture_});
     }
-    const Eigen::Vector4f place =
-        letterbox(displayed_size(picture_.width(), picture_.height(), pixel_aspect_), width, height);
-    // Whole factors show every sample as it is.
-    const float factor = place[3] / static_cast<float>(picture_.height());
-    const bool whole = std::floor(factor) == factor && place[2] == factor * static_cast<float>(picture_.width());
-    if (factor < 1 && !has_mipmaps_) {
-        picture_.make_mipmaps();
-        has_mipmaps_ = true;
-    }
-    picture_.set_filter(whole ? Filter::nearest : factor < 1 ? Filter::trilinear : Filter::linear);
-    Program& program = shaders_.full_screen("preview/picture.frag");
     target_.bind();
+    target_.clear_color(0, 0, 0, 0, 1);
+}
+
+void PictureView::draw(ShownPicture& picture, const Eigen::Vector4f& place, const Region& clip) {
+    Texture2D& texture = picture.texture_;
+    // Whole factors show every sample as it is.
+    const float factor = place[3] / static_cast<float>(texture.height());
+    const bool whole = std::floor(factor) == factor && place[2] == factor * static_cast<float>(texture.width());
+    if (factor < 1 && !picture.has_mipmaps_) {
+        texture.make_mipmaps();
+        picture.has_mipmaps_ = true;
+    }
+    texture.set_filter(whole ? Filter::nearest : factor < 1 ? Filter::trilinear : Filter::linear);
+    Program& program = shaders_.full_screen("preview/picture.frag");
+    target_.bind(clip);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
     program.use();
     program.set("place", place);
-    program.bind_texture("picture", 0, picture_);
+    program.bind_texture("picture", 0, texture);
     triangle_.draw();
     check_no_gl_error("drawing the picture");
 }

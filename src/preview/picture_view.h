@@ -1,4 +1,4 @@
-// Draws a finished picture into a window, code value by code value.
+// Draws finished pictures into a window, code value by code value, and whatever is drawn over them.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,25 +10,40 @@
 
 namespace matchlight {
 
-class PictureView {
+/// A picture on the GPU.
+class ShownPicture {
 public:
     /// R'G'B' of 8 bits whose pixels are `pixel_aspect` times as wide as high. Throws InputError where it is larger
     /// than a texture can be.
-    void set_picture(const Image8& picture, double pixel_aspect);
+    void set(const Image8& picture, double pixel_aspect);
 
-    /// Draws what a window of this size shows. Where the picture has its size, that is the picture itself.
-    void draw(int width, int height);
+    explicit operator bool() const { return static_cast<bool>(texture_); }
+    PictureSize displayed() const { return displayed_size(texture_.width(), texture_.height(), pixel_aspect_); }
+
+private:
+    friend class PictureView;
+    Texture2D texture_;
+    double pixel_aspect_ = 1;
+    bool has_mipmaps_ = false;
+};
+
+class PictureView {
+public:
+    /// Black, of the window's size.
+    void begin(int width, int height);
+    /// The picture with its left, top, width and height in the window, cut to `clip`; black where `clip` is larger.
+    /// Where it is drawn at its size, or a whole multiple of it, samples are shown as they are.
+    void draw(ShownPicture& picture, const Eigen::Vector4f& place, const Region& clip);
     /// Copies what was drawn into the window's own framebuffer.
     void present() const;
     /// What was drawn, 3 channels.
     Image8 shown() const;
 
+    const Framebuffer& target() const { return target_; }
+
 private:
     ShaderLibrary shaders_;
     FullScreenTriangle triangle_;
-    Texture2D picture_;
-    double pixel_aspect_ = 1;
-    bool has_mipmaps_ = false;
     Texture2D target_texture_;
     Framebuffer target_;
 };

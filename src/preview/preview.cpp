@@ -1,4 +1,4 @@
-// The loop: events, the clip's time, shaders on disk, one picture.
+// The loop: events, what came of the shot's thread, one frame of the window.
 #include "preview/preview.h"
 
 #include <algorithm>
@@ -7,25 +7,23 @@
 #include <fmt/format.h>
 
 #include "compositor/quality.h"
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/stop.h"
 #include "core/version.h"
 #include "media/image_io.h"
-#include "preview/picture_view.h"
-#include "preview/playback_clock.h"
-#include "preview/shot.h"
+#include "preview/gui.h"
+#include "preview/script_player.h"
+#include "preview/truth_picture.h"
 #include "preview/window.h"
-#include "render/pass_table.h"
+#include "preview/window_parts.h"
+#include "preview/window_settings.h"
 
 namespace matchlight {
 
 namespace {
 
 using Clock = PlaybackClock::Clock;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 QualityLevel next_level(QualityLevel level) {
     constexpr int levels = static_cast<int>(QualityLevel::reference) + 1;
@@ -43,234 +41,243 @@ class Preview {
 public:
     Preview(const PreviewOptions& options, Warnings& warnings);
 
-    void press(PreviewAction action);
     /// Until the user quits.
     void run();
     void save_snapshot();
     PreviewResult result() const;
 
 private:
-    void go_to(std::int64_t frame);
-    void step(std::int64_t frames);
-    void set_switches(const ShotSwitches& switches);
-    void explain();
-    void reload_scene();
-    void reload_shaders();
-    /// Shows the frame whose time has come; false while it is the one shown already.
-    void play_on();
-    /// Seconds for which nothing needs doing.
-    double idle_s();
-    void update_picture();
+    void press(PreviewAction action);
+    void press_pending();
+    void press_switch(PreviewAction action);
+    void press_view(PreviewAction action);
+    void handle(const InputEvent& event);
+    void start_script();
+    void take_pictures();
+    void update_wishes();
+    void show_window();
+    void lay_out();
     void draw();
-    /// Does it, or says why it cannot be done; what was shown stays.
-    void attempt(const std::function<void()>& action);
+    void screenshot(const std::filesystem::path& path);
+    double idle_s() const;
     std::string title() const;
-    PictureSize displayed_picture();
+    PictureSize displayed_picture() const;
 
     const PreviewOptions& options_;
-    Warnings& warnings_;
     PreviewWindow window_;
-    std::unique_ptr<Shot> shot_;
+    Session session_;
     PictureView view_;
-    std::optional<PlateFrame> frame_;
+    Canvas canvas_;
+    Controls controls_;
+    WindowState state_;
+    WindowSettings settings_;
+    std::unique_ptr<Gui> gui_;  // none where there is just a snapshot
+    std::unique_ptr<ScriptPlayer> script_;
+    std::vector<PreviewAction> pending_;  // keys pressed at the start
+    Layout layout_;
     Eigen::Vector2i drawn_px_ = Eigen::Vector2i::Zero();
-    PlaybackClock clock_;
-    Clock::time_point shaders_seen_ = Clock::now();
-    bool playing_ = false;
-    bool plate_alone_ = false;
+    Clock::time_point last_frame_ = Clock::now();
+    int frames_to_draw_ = 0;
     bool quit_ = false;
-    bool stale_ = true;  // the picture is not of this frame and these switches
-    double frame_ms_ = 0;
-    std::string trouble_;         // of the last attempt
-    std::string shader_trouble_;  // until it is mended
 };
 
-Preview::Preview(const PreviewOptions& options, Warnings& warnings) : options_(options), warnings_(warnings) {
-    shot_ = std::make_unique<Shot>(window_.context(), options.scene, options.quiet, warnings);
-    if (options.level) {
-        ShotSwitches switches = shot_->switches();
-        switches.level = *options.level;
-        switches.budget = false;
-        shot_->set_switches(switches);
-    }
-    const std::int64_t count = shot_->frames().info().frame_count;
-    if (options.frame >= count) {
-        throw InputError(shot_->frames().info().path, fmt::format("has no frame {}", options.frame),
-                         fmt::format("it has {}, counted from 0", count));
-    }
-    go_to(options.frame);
-}
-
-void Preview::attempt(const std::function<void()>& action) {
-    try {
-        action();
-        trouble_.clear();
-    } catch (const InputError& error) {
-        trouble_ = error.what();
-        playing_ = false;
-        options_.print("error: " + trouble_);
-    }
-}
-
-void Preview::go_to(std::int64_t frame) {
-    FrameCache& frames = shot_->frames();
-    const std::int64_t last = std::max<std::int64_t>(0, frames.info().frame_count - 1);
-    std::optional<PlateFrame> found = frames.at_or_after(std::min(frame, last));
-    if (!found) found = frames.before(last + 1);
-    if (!found) throw InputError(frames.info().path, "no frame of it can be decoded");
-    frame_ = std::move(found);
-    stale_ = true;
-    if (playing_) clock_.start(frame_->time_s(), Clock::now());
-}
-
-void Preview::step(std::int64_t frames) {
-    playing_ = false;
-    const std::int64_t from = frame_->index();
-    go_to(from + frames);
-    // Frames that cannot be decoded are passed over, backwards too.
-    if (frames < 0 && frame_->index() >= from) {
-        if (auto earlier = shot_->frames().before(from)) frame_ = std::move(earlier);
-    }
-}
-
-void Preview::set_switches(const ShotSwitches& switches) {
-    shot_->set_switches(switches);
-    stale_ = true;
+Preview::Preview(const PreviewOptions& options, Warnings& warnings)
+    : options_(options),
+      session_({.scene = options.scene,
+                .frame = options.frame,
+                .level = options.level,
+                .truth = options.truth,
+                .quiet = options.quiet,
+                .strict = !options.snapshot.empty(),
+                .print = options.print,
+                .wake = &PreviewWindow::wake},
+               warnings),
+      pending_(options.keys) {
+    if (!options.truth.empty()) check_truth(options.truth);
+    state_.has_truth = !options.truth.empty();
 }
 
 void Preview::press(PreviewAction action) {
-    ShotSwitches switches = shot_->switches();
     switch (action) {
         case PreviewAction::play:
-            playing_ = !playing_;
-            if (playing_ && !shot_->frames().at_or_after(frame_->index() + 1)) go_to(0);
-            clock_.start(frame_->time_s(), Clock::now());
-            return;
+            session_.play(!session_.playing());
+            break;
         case PreviewAction::step_back:
-            return step(-1);
+            session_.step(-1);
+            break;
         case PreviewAction::step_on:
-            return step(1);
+            session_.step(1);
+            break;
         case PreviewAction::ten_back:
-            return step(-10);
+            session_.step(-10);
+            break;
         case PreviewAction::ten_on:
-            return step(10);
+            session_.step(10);
+            break;
         case PreviewAction::first:
-            return go_to(0);
+            session_.go_to(0);
+            break;
         case PreviewAction::last:
-            return go_to(shot_->frames().info().frame_count - 1);
-        case PreviewAction::bloom:
-            switches.bloom = !switches.bloom;
-            return set_switches(switches);
-        case PreviewAction::glare:
-            switches.glare = !switches.glare;
-            return set_switches(switches);
-        case PreviewAction::dazzle:
-            switches.dazzle = !switches.dazzle;
-            return set_switches(switches);
-        case PreviewAction::exposure:
-            switches.exposure = !switches.exposure;
-            return set_switches(switches);
-        case PreviewAction::shadow:
-            switches.shadow = !switches.shadow;
-            return set_switches(switches);
-        case PreviewAction::level:
-            switches.level = next_level(switches.level);
-            switches.budget = false;
-            return set_switches(switches);
-        case PreviewAction::plate:
-            plate_alone_ = !plate_alone_;
-            stale_ = true;
-            return;
+            session_.go_to(session_.frame_count() - 1, true);
+            break;
         case PreviewAction::explain:
-            return explain();
+            session_.ask_for_passes();
+            break;
         case PreviewAction::reload:
-            return reload_scene();
+            session_.reload();
+            break;
         case PreviewAction::help:
-            return options_.print(preview_keys_text());
+            state_.help = !state_.help;
+            session_.print(preview_keys_text());
+            break;
+        case PreviewAction::panels:
+            state_.layout.panels = !state_.layout.panels;
+            break;
         case PreviewAction::quit:
             quit_ = true;
-            return;
+            break;
+        default:
+            press_switch(action);
+            press_view(action);
     }
+    update_wishes();
 }
 
-void Preview::explain() {
-    update_picture();  // so that what is made once is not part of it
-    options_.print(fmt::format("frame {}\n{}", frame_->index(), pass_table(shot_->passes(*frame_))));
+void Preview::press_pending() {
+    const PreviewAction action = pending_.front();
+    pending_.erase(pending_.begin());
+    press(action);
+    if (!options_.snapshot.empty()) session_.settle();
 }
 
-void Preview::reload_scene() {
-    auto shot = std::make_unique<Shot>(window_.context(), options_.scene, options_.quiet, warnings_);
-    if (options_.level) {
-        ShotSwitches switches = shot->switches();
-        switches.level = shot_->switches().level;
+void Preview::press_switch(PreviewAction action) {
+    ShotSwitches switches = session_.switches();
+    const auto toggle = [&](bool& on) { on = !on; };
+    if (action == PreviewAction::bloom)
+        toggle(switches.bloom);
+    else if (action == PreviewAction::glare)
+        toggle(switches.glare);
+    else if (action == PreviewAction::dazzle)
+        toggle(switches.dazzle);
+    else if (action == PreviewAction::exposure)
+        toggle(switches.exposure);
+    else if (action == PreviewAction::shadow)
+        toggle(switches.shadow);
+    else if (action == PreviewAction::level) {
+        switches.level = next_level(switches.level);
         switches.budget = false;
-        shot->set_switches(switches);
+    } else
+        return;
+    session_.set_switches(switches);
+}
+
+void Preview::press_view(PreviewAction action) {
+    const auto show = [&](ShownKind kind) { canvas_.shown = canvas_.shown == kind ? ShownKind::composite : kind; };
+    if (action == PreviewAction::plate) show(ShownKind::plate);
+    if (action == PreviewAction::truth && state_.has_truth) show(ShownKind::truth);
+    if (action == PreviewAction::difference) show(ShownKind::difference);
+    if (action == PreviewAction::wipe) canvas_.wipe = !canvas_.wipe;
+    if (action == PreviewAction::fit) canvas_.fit();
+    if (action == PreviewAction::whole_pixels) canvas_.set_zoom(1);
+}
+
+void Preview::update_wishes() {
+    // Of what lies between two keys pressed at the start, nothing is to be seen.
+    if (!pending_.empty()) return session_.want({.composite = false});
+    const ShownKind shown = canvas_.shown;
+    const bool wipe = canvas_.wipe;
+    session_.want({.composite = shown != ShownKind::plate || wipe,
+                   .plate = shown == ShownKind::plate || (wipe && shown == ShownKind::composite),
+                   .truth = shown == ShownKind::truth,
+                   .difference = shown == ShownKind::difference});
+}
+
+void Preview::take_pictures() {
+    if (!session_.take_change()) return;
+    frames_to_draw_ = std::max(frames_to_draw_, 2);
+    if (!session_.picture() || session_.facts() == nullptr) return;
+    const ShotPicture& picture = *session_.picture();
+    const double aspect = pixel_aspect_of(session_.facts()->footage);
+    const auto set = [&](ShownKind kind, const Image8& image) {
+        if (image.width() > 0) {
+            canvas_.set_picture(kind, image, aspect);
+        } else {
+            canvas_.remove_picture(kind);
+        }
+    };
+    set(ShownKind::composite, picture.composite);
+    set(ShownKind::plate, picture.plate);
+    set(ShownKind::truth, picture.truth);
+    set(ShownKind::difference, picture.difference);
+}
+
+void Preview::start_script() {
+    script_ = std::make_unique<ScriptPlayer>(
+        options_.script, ScriptStage{.idle = [this] { return session_.idle() && pending_.empty(); },
+                                     .show =
+                                         [this](const std::string& name) {
+                                             state_.panel = panel_named(name);
+                                             state_.open_panel = true;
+                                         },
+                                     .go_to = [this](std::int64_t frame) { session_.go_to(frame); },
+                                     .screenshot = [this](const std::filesystem::path& path) { screenshot(path); },
+                                     .print = options_.print,
+                                     .quit = [this] { quit_ = true; }});
+}
+
+void Preview::screenshot(const std::filesystem::path& path) {
+    check_output(path, options_.overwrite);
+    write_png8(path, view_.shown());
+}
+
+void Preview::handle(const InputEvent& event) {
+    frames_to_draw_ = std::max(frames_to_draw_, 3);  // ImGui shows what came of a press a frame or two later
+    const bool types = gui_->wants_text() && event.kind == InputEvent::Kind::key;
+    if (!types) {
+        if (const std::optional<PreviewAction> action = action_of(event)) press(*action);
     }
-    shot_ = std::move(shot);
-    shader_trouble_.clear();
-    go_to(frame_->index());
+    gui_->feed(event);
 }
 
-void Preview::reload_shaders() {
-    constexpr double look_every_s = 0.3;
-    if (seconds_since(shaders_seen_) < look_every_s) return;
-    shaders_seen_ = Clock::now();
-    const ShaderReload reload = shot_->reload_shaders();
-    if (!reload.files_changed) return;
-    stale_ = true;
-    shader_trouble_ = reload.errors.empty() ? "" : reload.errors.front();
-    for (const std::string& program : reload.reloaded) options_.print("new: " + program);
-    for (const std::string& error : reload.errors) options_.print("error: " + error);
-}
-
-void Preview::play_on() {
-    if (!playing_) return;
+void Preview::lay_out() {
     const Clock::time_point now = Clock::now();
-    const double due_s = clock_.time_s(now);
-    FrameCache& frames = shot_->frames();
-    std::optional<PlateFrame> next = frames.at_or_after(frame_->index() + 1);
-    for (; next && next->time_s() <= due_s; next = frames.at_or_after(frame_->index() + 1)) {
-        frame_ = std::move(next);
-        stale_ = true;
+    // A script's frames are all as long, so that it plays the same way on every machine.
+    const double seconds =
+        script_ && !script_->finished() ? 1.0 / 60 : std::chrono::duration<double>(now - last_frame_).count();
+    last_frame_ = now;
+    gui_->begin(drawn_px_, seconds);
+    controls_.begin_frame();
+    layout_ = matchlight::lay_out(drawn_px_, state_.layout);
+    canvas_.lay_out(layout_.picture, state_.layout.scale);
+    WindowParts parts{state_, session_, canvas_, controls_, [this](PreviewAction action) { press(action); }};
+    try {
+        lay_out_window(layout_, parts);
+    } catch (const InputError& error) {
+        // ImGui's frame is not whole: there is no going on.
+        throw InputError(options_.script, error.what());
     }
-    if (!next) playing_ = false;
-    // Where even decoding takes longer than the clip, its time waits: otherwise ever more frames would be dropped.
-    constexpr double latest_s = 1;
-    if (seconds_since(now) > latest_s) clock_.start(frame_->time_s(), Clock::now());
-}
-
-double Preview::idle_s() {
-    constexpr double longest_s = 0.1;  // shaders and signals are looked for that often
-    if (!playing_) return longest_s;
-    const std::optional<PlateFrame> next = shot_->frames().at_or_after(frame_->index() + 1);
-    const double until_next_s = next ? next->time_s() - clock_.time_s(Clock::now()) : 0;
-    return std::clamp(until_next_s, 0.0, longest_s);
-}
-
-void Preview::update_picture() {
-    if (!stale_) return;
-    stale_ = false;
-    const Clock::time_point start = Clock::now();
-    const PlateFormat& format = frame_->format();
-    view_.set_picture(plate_alone_ ? frame_->rgb8({0, 0, format.width, format.height}) : shot_->composited(*frame_),
-                      pixel_aspect_of(shot_->frames().info()));
-    frame_ms_ = 1000 * seconds_since(start);
-    drawn_px_.setZero();
+    update_wishes();
 }
 
 void Preview::draw() {
-    const bool damaged = window_.take_damage();
-    const Eigen::Vector2i size = window_.framebuffer_size();
-    if (size.x() <= 0 || size.y() <= 0 || (size == drawn_px_ && !damaged)) return;
     window_.context().make_current();
-    view_.draw(size.x(), size.y());
+    lay_out();
+    view_.begin(drawn_px_.x(), drawn_px_.y());
+    canvas_.draw(view_, layout_.picture);
+    gui_->draw(view_.target());
     view_.present();
     window_.swap();
-    drawn_px_ = size;
+}
+
+double Preview::idle_s() const {
+    constexpr double longest_s = 0.1;  // signals are looked for that often, and what takes long is told
+    if (frames_to_draw_ > 0 || (script_ && !script_->finished()) || !pending_.empty()) return 0.002;
+    return std::clamp(session_.next_due_s().value_or(longest_s), 0.001, longest_s);
 }
 
 std::string Preview::title() const {
-    const ShotSwitches& switches = shot_->switches();
+    if (!session_.picture()) return fmt::format("{}: loading", printable(options_.scene.filename().string()));
+    const ShotSwitches& switches = session_.switches();
     std::string on;
     const auto add = [&](bool is_on, const char* name) {
         if (is_on) on += (on.empty() ? "" : ", ") + std::string(name);
@@ -280,60 +287,86 @@ std::string Preview::title() const {
     add(switches.dazzle && (switches.bloom || switches.glare), "dazzle");
     add(switches.exposure, "exposure");
     add(switches.shadow, "shadow");
-    std::string text =
-        fmt::format("{}: frame {} of {}, {:.3f} s | {} | {} | {:.0f} ms", printable(options_.scene.filename().string()),
-                    frame_->index(), shot_->frames().info().frame_count, frame_->time_s(),
-                    switches.budget ? "budget" : name_of(switches.level),
-                    plate_alone_ ? "plate alone"
-                    : on.empty() ? "no effects"
-                                 : on,
-                    frame_ms_);
-    const std::string& trouble = shader_trouble_.empty() ? trouble_ : shader_trouble_;
-    if (!trouble.empty()) text += " | " + trouble;
+    const ShotPicture& picture = *session_.picture();
+    std::string text = fmt::format("{}: frame {} of {}, {:.3f} s | {} | {} | {:.0f} ms",
+                                   printable(options_.scene.filename().string()), picture.frame, session_.frame_count(),
+                                   picture.time_s, switches.budget ? "budget" : name_of(switches.level),
+                                   canvas_.shown == ShownKind::plate ? "plate alone"
+                                   : on.empty()                      ? "no effects"
+                                                                     : on,
+                                   picture.ms);
+    if (!session_.trouble().empty()) text += " | " + session_.trouble();
     return text;
 }
 
-PictureSize Preview::displayed_picture() {
-    const FootageInfo& footage = shot_->frames().info();
+PictureSize Preview::displayed_picture() const {
+    const FootageInfo& footage = session_.facts()->footage;
     return displayed_size(footage.format.width, footage.format.height, pixel_aspect_of(footage));
 }
 
-void Preview::run() {
+void Preview::show_window() {
+    const bool remembers = options_.script.empty();
+    if (remembers) settings_ = load_window_settings();
+    state_.layout.scale = window_.content_scale();
+    state_.layout.panel_width = settings_.panel_width;
     if (options_.size) {
         window_.show(*options_.size);
     } else {
-        window_.show_fitted(displayed_picture());
+        const Eigen::Vector2i usual = settings_.size_px.value_or(Eigen::Vector2i(1280, 720));
+        window_.show_fitted({static_cast<double>(usual.x()), static_cast<double>(usual.y())});
     }
-    std::vector<PreviewAction> actions = options_.keys;
-    update_picture();  // what cannot be shown at all is an error
+    gui_ = std::make_unique<Gui>(state_.layout.scale);
+    if (!options_.script.empty()) start_script();
+}
+
+void Preview::run() {
+    show_window();
     while (!quit_) {
-        for (const PreviewAction action : actions) attempt([&] { press(action); });
         if (stop_requested()) throw InputError(options_.scene, "the preview was stopped by a signal");
-        if (stale_ || playing_) attempt([&] { play_on(); });
-        reload_shaders();
-        if (stale_) attempt([&] { update_picture(); });
-        draw();
+        for (const InputEvent& event : window_.take_events()) handle(event);
+        if (!pending_.empty() && session_.idle()) press_pending();
+        if (script_) {
+            for (const InputEvent& event : script_->before_frame(controls_)) handle(event);
+        }
+        session_.update();
+        take_pictures();
+        const Eigen::Vector2i size = window_.framebuffer_size();
+        const bool scripted = script_ && !script_->finished();
+        const bool damaged = window_.take_damage() || size != drawn_px_;
+        constexpr double told_after_s = 0.4;
+        const bool tells = session_.busy_s() > told_after_s;
+        if (size.minCoeff() > 0 && (damaged || scripted || tells || frames_to_draw_ > 0)) {
+            drawn_px_ = size;
+            frames_to_draw_ = std::max(0, frames_to_draw_ - 1);
+            draw();
+            if (script_) script_->after_frame(controls_);
+        }
         window_.set_title(title());
-        window_.wait(stale_ ? 0 : idle_s());
-        actions = window_.take_actions();
+        if (!quit_) window_.wait(idle_s());
+    }
+    if (options_.script.empty()) {
+        save_window_settings({.size_px = drawn_px_, .panel_width = state_.layout.panel_width});
     }
 }
 
 void Preview::save_snapshot() {
-    for (const PreviewAction action : options_.keys) {
-        if (!quit_) press(action);
-    }
-    update_picture();
+    update_wishes();
+    session_.settle();
+    while (!pending_.empty() && !quit_) press_pending();
+    session_.settle();
+    window_.context().make_current();
+    take_pictures();
     const PictureSize picture = displayed_picture();
     const Eigen::Vector2i own(static_cast<int>(picture.width), static_cast<int>(picture.height));
     drawn_px_ = options_.size.value_or(own);
-    view_.draw(drawn_px_.x(), drawn_px_.y());
+    view_.begin(drawn_px_.x(), drawn_px_.y());
+    canvas_.draw(view_, {0, 0, drawn_px_.x(), drawn_px_.y()});
     write_png8(options_.snapshot, view_.shown(),
-               {{"Software", fmt::format("matchlight {}\n{}", version, shot_->scene().effective_toml)}});
+               {{"Software", fmt::format("matchlight {}\n{}", version, session_.facts()->scene.effective_toml)}});
 }
 
 PreviewResult Preview::result() const {
-    return {.frame = frame_->index(), .time_s = frame_->time_s(), .window_px = drawn_px_};
+    return {.frame = session_.picture()->frame, .time_s = session_.picture()->time_s, .window_px = drawn_px_};
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The interactive window: a scene's frames, played, stepped through and switched by keys.
+// The interactive window: a scene's frames, played and stepped through, and what is drawn of them, by hand or script.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +23,9 @@ struct PreviewOptions {
     std::optional<Eigen::Vector2i> size;  // of the window; the footage's, fitted to the screen, unless given
     std::vector<PreviewAction> keys;      // pressed at the start
     bool quiet = false;                   // no progress of what takes long
+    std::filesystem::path truth;          // how the scene really looked: see truth_picture.h; empty: not known
+    std::filesystem::path script;         // a scripted hand, played first; empty: none
+    bool overwrite = false;               // what a script's screenshots are called
     std::filesystem::path snapshot;       // where given: what the window shows after them is saved, and that is all
     std::function<void(const std::string&)> print;  // of text for the terminal, line by line
 };

@@ -47,6 +47,7 @@ public:
 
     FrameCache& frames() { return frames_; }
     const Scene& scene() const { return scene_; }
+    const Solve& solve() const { return solve_; }
 
     /// What render writes of this frame. Throws InputError.
     Image8 composited(const PlateFrame& plate);

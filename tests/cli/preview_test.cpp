@@ -4,8 +4,10 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -55,6 +57,26 @@ protected:
                                               std::to_string(frame) + "-" + std::to_string(frame), "--overwrite"},
                                              options_)));
         return read_rgb8(numbered(output, frame));
+    }
+
+    /// What a script printed.
+    std::string played(const std::string& script, const std::vector<std::string>& more = {}) {
+        const fs::path file = scratch_.write("hand.txt", script + "\nquit\n");
+        std::vector<std::string> call = call_of(scene_, more);
+        call.insert(call.end(), {"--script", file, "--overwrite"});
+        result_ = run_matchlight(call, options_);
+        EXPECT_TRUE(succeeded(result_));
+        return result_.standard_output;
+    }
+
+    /// The part of a screenshot that starts at this corner.
+    static Image8 part_of(const Image8& picture, const Region& part) {
+        Image8 cut(part.width, part.height, 3);
+        for (int y = 0; y < part.height; ++y) {
+            const std::uint8_t* from = picture.pixel(part.x, part.y + y);
+            std::copy(from, from + std::size_t{3} * part.width, cut.pixel(0, y));
+        }
+        return cut;
     }
 
     void append_to_scene(const std::string& text) const { std::ofstream(scene_, std::ios::app) << text; }
@@ -124,7 +146,7 @@ TEST_F(PreviewTest, PrintsThePassesAndTheKeys) {
     snapshot({"--keys", "right,e,h"});
     EXPECT_THAT(result_.standard_output, HasSubstr("frame 1\n"));
     EXPECT_THAT(result_.standard_output, HasSubstr("surface "));
-    EXPECT_THAT(result_.standard_output, HasSubstr("pagedown  ten frames on"));
+    EXPECT_THAT(result_.standard_output, HasSubstr("pagedown     ten frames on"));
     // Programs get the result alone.
     snapshot({"--keys", "right,e", "--json"});
     EXPECT_EQ(nlohmann::json::parse(result_.standard_output).at("frame").get<int>(), 1);
@@ -134,7 +156,7 @@ TEST_F(PreviewTest, PutsTheFrameOnTheScreenAndTakesNewShaders) {
     const fs::path shaders = scratch_ / "shaders";
     fs::copy(fs::path(MATCHLIGHT_SOURCE_DIR) / "shaders", shaders, fs::copy_options::recursive);
     options_.environment["MATCHLIGHT_SHADERS"] = shaders;
-    RunningMatchlight preview(call_of(scene_, {"--keys", "right,right"}), options_);
+    RunningMatchlight preview(call_of(scene_, {"--size", "640x360", "--keys", "tab,right,right"}), options_);
     const Image8 before = rendered(2);
     EXPECT_TRUE(display_.comes_to_show(before));
 
@@ -162,7 +184,7 @@ TEST_F(PreviewTest, PutsTheFrameOnTheScreenAndTakesNewShaders) {
 }
 
 TEST_F(PreviewTest, PlaysToTheEndAndQuits) {
-    RunningMatchlight preview(call_of(scene_, {"--keys", "space"}), options_);
+    RunningMatchlight preview(call_of(scene_, {"--size", "640x360", "--keys", "tab,space"}), options_);
     EXPECT_TRUE(display_.comes_to_show(rendered(11)));
     preview.send(SIGTERM);
     EXPECT_EQ(preview.wait().status, 1);
@@ -171,13 +193,63 @@ TEST_F(PreviewTest, PlaysToTheEndAndQuits) {
     EXPECT_LT(quit.seconds, 60);
 }
 
+// The picture at one pixel of the screen each, in the middle of its place: 900×530 from (0, 40) in this window.
+constexpr Region whole_pixels_at{130, 125, 640, 360};
+
+TEST_F(PreviewTest, ScriptsShowWhatRenderWritesAmongThePanels) {
+    const fs::path first = scratch_ / "first.png", fifth = scratch_ / "fifth.png", plate = scratch_ / "plate.png";
+    played("wait_idle\nkey 1\nwait_idle\nscreenshot " + first.string() +
+               "\ndrag 50 640 410 640 4\nwait_idle\nscreenshot " + fifth.string() +
+               "\nclick view.plate\nwait_idle\nscreenshot " + plate.string(),
+           {"--size", "1280x720"});
+    EXPECT_TRUE(same(part_of(read_rgb8(first), whole_pixels_at), rendered(0)));
+    EXPECT_TRUE(same(part_of(read_rgb8(fifth), whole_pixels_at), rendered(5)));
+    EXPECT_TRUE(same(part_of(read_rgb8(plate), whole_pixels_at), snapshot({"--frame", "5", "--keys", "p"})));
+}
+
+TEST_F(PreviewTest, ControlsAreInTheWindowAndDoNotOverlap) {
+    for (const auto& [size, width, height] : {std::tuple("1280x720", 1280, 720), std::tuple("1280x1024", 1280, 1024)}) {
+        for (const char* panel : {"effects", "passes"}) {
+            std::istringstream lines(
+                played(std::string("wait_idle\nshow ") + panel + "\nwait_idle\ncontrols", {"--size", size}));
+            std::vector<Region> places;
+            for (std::string word, name, rest; lines >> word;) {
+                if (word != "control") continue;
+                Region place, seen;
+                lines >> name >> rest >> place.x >> place.y >> place.width >> place.height >> rest >> seen.x >>
+                    seen.y >> seen.width >> seen.height;
+                std::getline(lines, rest);
+                EXPECT_EQ(rest, "") << name << " has its text cut off";
+                EXPECT_EQ(place, seen) << name;
+                EXPECT_EQ(place, place.intersected({0, 0, width, height})) << name;
+                for (const Region& other : places) EXPECT_TRUE(place.intersected(other).empty()) << name;
+                places.push_back(place);
+            }
+            EXPECT_GT(places.size(), 10u) << panel;
+        }
+    }
+}
+
+TEST_F(PreviewTest, WrongScriptsAreToldByTheirLine) {
+    for (const auto& [script, words] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+             {"wait_idle\nklick 3 4\n", {"hand.txt:2", "'klick'", "click"}},
+             {"\n# remark\nclick 3 x\n", {"hand.txt:3", "'x'"}},
+             {"key bogus\n", {"hand.txt:1", "'bogus'"}},
+             {"set \"bloom on\n", {"hand.txt:1", "quote"}},
+             {"wait_idle\nset bogus on\nwait_idle\n", {"hand.txt:2", "'bogus'"}},
+             {"wait_idle\nshow bogus\n", {"hand.txt:2", "'bogus'", "Effects"}}}) {
+        const fs::path file = scratch_.write("hand.txt", script);
+        EXPECT_TRUE(failed_naming(run_matchlight(call_of(scene_, {"--script", file}), options_), words)) << script;
+    }
+}
+
 TEST_F(PreviewTest, BadInputsAreToldInOneLine) {
     const fs::path output = scratch_ / "out.png";
     RunOptions nowhere = options_;
     nowhere.environment["DISPLAY"] = "";
     nowhere.environment["WAYLAND_DISPLAY"] = "";
     EXPECT_TRUE(failed_naming(run_matchlight(call_of(scene_, {"--snapshot", output}), nowhere),
-                              {"window", "GLFW", "DISPLAY", "xvfb-run"}));
+                              {"window", "GLFW", "DISPLAY", "xvfb-run", "matchlight render"}));
     EXPECT_TRUE(failed_naming(run_matchlight(call_of(scene_, {"--frame", "12", "--snapshot", output}), options_),
                               {"plate.mp4", "frame 12"}));
     EXPECT_TRUE(failed_naming(run_matchlight(call_of(scene_, {"--snapshot", scratch_ / "out.jpg"}), options_),

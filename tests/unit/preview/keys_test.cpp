@@ -32,9 +32,28 @@ TEST(PreviewKeys, have_names_of_their_own_and_a_line_of_help) {
     std::set<std::string> names;
     for (const PreviewKey& key : preview_keys()) {
         EXPECT_TRUE(names.insert(key.name).second) << key.name;
-        EXPECT_EQ(key.glfw_key == 0, key.name.size() == 1) << key.name;
+        EXPECT_EQ(key.glfw_key == 0, key.name.substr(key.name.rfind('+') + 1).size() == 1) << key.name;
+        EXPECT_EQ(action_of(event_of_key(key.name)), key.action) << key.name;
         EXPECT_THAT(preview_keys_text(), testing::HasSubstr(key.name + " "));
     }
+}
+
+TEST(PreviewKeys, ask_for_nothing_with_keys_of_the_desktop) {
+    InputEvent event = event_of_key("b");
+    event.control = true;
+    EXPECT_EQ(action_of(event), std::nullopt);
+    event = event_of_key("b");
+    event.alt = true;
+    EXPECT_EQ(action_of(event), std::nullopt);
+    event = event_of_key("b");
+    event.down = false;
+    EXPECT_EQ(action_of(event), std::nullopt);
+    event = event_of_key("b");
+    event.repeated = true;
+    EXPECT_EQ(action_of(event), std::nullopt);
+    event = event_of_key("left");
+    event.repeated = true;
+    EXPECT_EQ(action_of(event), PreviewAction::step_back);
 }
 
 }  // namespace

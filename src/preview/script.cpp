@@ -1,0 +1,126 @@
+// The table of verbs, and what each takes.
+#include "preview/script.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "preview/keys.h"
+
+namespace matchlight {
+
+namespace {
+
+struct Verb {
+    std::string_view name;
+    std::size_t least, most;  // words
+    std::size_t numbers;      // the first so many of them, unless the first is a control's name
+    std::string_view what;
+};
+
+constexpr std::array<Verb, 15> verbs{{
+    {"wait_idle", 0, 0, 0, "until nothing is left to be drawn"},
+    {"key", 1, 1, 0, "NAME: press a key, such as b or ctrl+z"},
+    {"click", 1, 3, 2, "X Y [right] or CONTROL: press and let go there"},
+    {"drag", 4, 6, 4, "X0 Y0 X1 Y1 [STEPS] [right|middle]: press, move in steps, let go"},
+    {"scroll", 3, 3, 3, "X Y STEPS: turn the wheel there"},
+    {"move", 2, 2, 2, "X Y: the pointer alone"},
+    {"set", 2, 2, 0, "CONTROL VALUE: change a control by its name, such as effects.bloom auto"},
+    {"show", 1, 1, 0, "PANEL: open one of the panels"},
+    {"type", 1, 1, 0, "TEXT: into the field that takes it"},
+    {"drop", 1, 1, 0, "FILE: onto the window"},
+    {"frame", 1, 1, 1, "NUMBER: go there"},
+    {"screenshot", 1, 1, 0, "OUT.png: of the whole window"},
+    {"controls", 0, 0, 0, "print each control with its place"},
+    {"measure", 1, 1, 0,
+     "WORDS: print them and the milliseconds from what was done last until the last wait_idle found it settled"},
+    {"quit", 0, 0, 0, "without a question"},
+}};
+
+std::vector<std::string> words_of(const std::string& line) {
+    std::vector<std::string> words;
+    std::size_t at = 0;
+    while (true) {
+        at = line.find_first_not_of(" \t\r", at);
+        if (at == std::string::npos || line[at] == '#') return words;
+        if (line[at] == '"') {
+            const std::size_t end = line.find('"', at + 1);
+            if (end == std::string::npos) throw std::invalid_argument("a quote is not closed");
+            words.push_back(line.substr(at + 1, end - at - 1));
+            at = end + 1;
+        } else {
+            const std::size_t end = std::min(line.find_first_of(" \t\r", at), line.size());
+            words.push_back(line.substr(at, end - at));
+            at = end;
+        }
+    }
+}
+
+std::optional<double> number_of(const std::string& word) {
+    double value = 0;
+    const char* const end = word.data() + word.size();
+    const auto read = std::from_chars(word.data(), end, value);
+    if (read.ec != std::errc() || read.ptr != end || !std::isfinite(value) || std::abs(value) > 1e6)
+        return std::nullopt;
+    return value;
+}
+
+ScriptStep step_of(std::vector<std::string> words) {
+    ScriptStep step{.line = 0, .verb = words.front(), .words = {}, .numbers = {}};
+    words.erase(words.begin());
+    const auto verb = std::ranges::find(verbs, std::string_view(step.verb), &Verb::name);
+    if (verb == verbs.end()) {
+        std::string known;
+        for (const Verb& one : verbs) known += (known.empty() ? "" : ", ") + std::string(one.name);
+        throw std::invalid_argument(fmt::format("there is no '{}'; there are {}", step.verb, known));
+    }
+    if (words.size() < verb->least || words.size() > verb->most) {
+        throw std::invalid_argument(fmt::format("it takes {}", verb->what));
+    }
+    const bool names_a_control = step.verb == "click" && words.size() == 1;
+    if (!names_a_control) {
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            const std::optional<double> number = number_of(words[i]);
+            if (!number && i < verb->numbers) throw std::invalid_argument(fmt::format("'{}' is no number", words[i]));
+            if (number && verb->numbers > 0) step.numbers.push_back(*number);
+        }
+    }
+    if (step.verb == "key") event_of_key(words.front());  // throws where there is none
+    step.words = std::move(words);
+    return step;
+}
+
+}  // namespace
+
+std::vector<ScriptStep> read_script(const std::filesystem::path& path) {
+    std::vector<ScriptStep> steps;
+    std::istringstream lines(read_text_file(path));
+    std::int64_t number = 0;
+    for (std::string line; std::getline(lines, line);) {
+        ++number;
+        try {
+            std::vector<std::string> words = words_of(line);
+            if (words.empty()) continue;
+            steps.push_back(step_of(std::move(words)));
+            steps.back().line = number;
+        } catch (const std::invalid_argument& error) {
+            throw InputError({.file = path, .frame = {}, .cause = error.what(), .cure = {}, .line = number});
+        }
+    }
+    return steps;
+}
+
+std::string script_help() {
+    std::string text;
+    for (const Verb& verb : verbs) text += fmt::format("{:<12} {}\n", verb.name, verb.what);
+    return text;
+}
+
+}  // namespace matchlight

@@ -1,0 +1,161 @@
+// Presses and releases take a frame each, as ImGui wants to see them.
+#include "preview/script_player.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "preview/keys.h"
+
+namespace matchlight {
+
+namespace {
+
+using Kind = InputEvent::Kind;
+using Clock = std::chrono::steady_clock;
+
+/// A control that another one brings up is there a frame or two later.
+constexpr int most_patience = 4;
+
+InputEvent pointer_at(double x, double y) {
+    return {.kind = Kind::pointer, .value = {x, y}};
+}
+
+InputEvent button(int code, bool down) {
+    return {.kind = Kind::button, .code = code, .down = down};
+}
+
+int button_of(const ScriptStep& step, std::size_t word) {
+    if (step.words.size() <= word || step.words[word] == "left") return 0;
+    if (step.words[word] == "right") return 1;
+    if (step.words[word] == "middle") return 2;
+    throw std::invalid_argument(fmt::format("'{}' is no button: left, right or middle", step.words[word]));
+}
+
+}  // namespace
+
+ScriptPlayer::ScriptPlayer(std::filesystem::path path, ScriptStage stage)
+    : path_(std::move(path)),
+      stage_(std::move(stage)),
+      steps_(read_script(path_)),
+      began_(Clock::now()),
+      settled_(began_) {}
+
+void ScriptPlayer::fail(const std::string& cause) const {
+    const std::int64_t line = next_ > 0 ? steps_[next_ - 1].line : 0;
+    throw InputError({.file = path_, .frame = {}, .cause = cause, .cure = {}, .line = line});
+}
+
+void ScriptPlayer::click(const ScriptStep& step, const Controls& controls) {
+    Eigen::Vector2d at(0, 0);
+    if (step.numbers.empty()) {
+        const LaidOutControl* control = controls.find(step.words[0]);
+        if (control == nullptr) throw std::invalid_argument(fmt::format("no control '{}' is shown", step.words[0]));
+        const Region& seen = control->seen;
+        if (seen.empty()) throw std::invalid_argument(fmt::format("the control '{}' is out of sight", step.words[0]));
+        at = {seen.x + seen.width / 2.0, seen.y + seen.height / 2.0};
+    } else {
+        at = {step.numbers[0], step.numbers[1]};
+    }
+    const int code = button_of(step, step.numbers.empty() ? 1 : 2);
+    ticks_ = {{pointer_at(at.x(), at.y())}, {button(code, true)}, {button(code, false)}, {}};
+}
+
+void ScriptPlayer::drag(const ScriptStep& step) {
+    const bool has_steps = step.numbers.size() > 4;
+    const int steps = has_steps ? std::max(1, static_cast<int>(std::lround(step.numbers[4]))) : 8;
+    const int code = button_of(step, has_steps ? 5 : 4);
+    const Eigen::Vector2d from(step.numbers[0], step.numbers[1]), to(step.numbers[2], step.numbers[3]);
+    ticks_ = {{pointer_at(from.x(), from.y())}, {button(code, true)}};
+    for (int i = 1; i <= steps; ++i) {
+        const Eigen::Vector2d at = from + (to - from) * (static_cast<double>(i) / steps);
+        ticks_.push_back({pointer_at(at.x(), at.y())});
+    }
+    ticks_.push_back({button(code, false)});
+    ticks_.push_back({});
+}
+
+void ScriptPlayer::begin(const ScriptStep& step, Controls& controls) {
+    const std::string& verb = step.verb;
+    if (verb != "wait_idle" && verb != "measure") began_ = Clock::now();
+    if (verb == "wait_idle") {
+        waiting_ = true;
+        still_frames_ = 0;
+    } else if (verb == "key") {
+        InputEvent down = event_of_key(step.words[0]), up = down;
+        up.down = up.control = up.shift = false;
+        ticks_ = {{down}, {up}};
+    } else if (verb == "click") {
+        click(step, controls);
+    } else if (verb == "drag") {
+        drag(step);
+    } else if (verb == "move") {
+        ticks_ = {{pointer_at(step.numbers[0], step.numbers[1])}, {}};
+    } else if (verb == "scroll") {
+        ticks_ = {{pointer_at(step.numbers[0], step.numbers[1])},
+                  {{.kind = Kind::scroll, .value = {0, step.numbers[2]}}},
+                  {}};
+    } else if (verb == "set") {
+        controls.set(step.words[0], step.words[1]);
+        patience_ = most_patience;
+    } else if (verb == "show") {
+        stage_.show(step.words[0]);
+        ticks_ = {{}, {}};
+    } else if (verb == "type") {
+        ticks_ = {{{.kind = Kind::text, .text = step.words[0]}}, {}};
+    } else if (verb == "drop") {
+        ticks_ = {{{.kind = Kind::drop, .text = step.words[0]}}, {}};
+    } else if (verb == "frame") {
+        stage_.go_to(std::llround(step.numbers[0]));
+    } else if (verb == "screenshot") {
+        stage_.screenshot(step.words[0]);
+    } else if (verb == "controls") {
+        for (const LaidOutControl& control : controls.laid_out()) {
+            const Region &place = control.place, &seen = control.seen;
+            stage_.print(fmt::format("control {} at {} {} {} {} seen {} {} {} {}{}", control.name, place.x, place.y,
+                                     place.width, place.height, seen.x, seen.y, seen.width, seen.height,
+                                     control.clipped_text ? " clipped" : ""));
+        }
+    } else if (verb == "measure") {
+        const double ms = 1000 * std::chrono::duration<double>(settled_ - began_).count();
+        stage_.print(fmt::format("{}: {:.0f} ms", step.words[0], ms));
+    } else if (verb == "quit") {
+        stage_.quit();
+    }
+}
+
+std::vector<InputEvent> ScriptPlayer::before_frame(Controls& controls) {
+    if (waiting_) {
+        // What a hand did last is asked for with the next frame; two more show what came of it.
+        constexpr int settled = 3;
+        const bool still = stage_.idle();
+        if (still && still_frames_ == 0) settled_ = Clock::now();
+        still_frames_ = still ? still_frames_ + 1 : 0;
+        waiting_ = still_frames_ < settled;
+        if (waiting_) return {};
+    }
+    if (!ticks_.empty()) {
+        Tick tick = std::move(ticks_.front());
+        ticks_.pop_front();
+        return tick;
+    }
+    if (patience_ > 0 || next_ == steps_.size()) return {};
+    const ScriptStep& step = steps_[next_++];
+    try {
+        begin(step, controls);
+    } catch (const std::invalid_argument& error) {
+        fail(error.what());
+    }
+    return {};
+}
+
+void ScriptPlayer::after_frame(Controls& controls) {
+    if (patience_ == 0) return;
+    patience_ = controls.has_set() ? patience_ - 1 : 0;
+    if (patience_ > 0) return;
+    if (const auto name = controls.take_unfound()) fail(fmt::format("no control '{}' is shown", *name));
+}
+
+}  // namespace matchlight
