@@ -17,10 +17,26 @@ namespace {
 /// (albedo 0.8) well below clipping.
 constexpr float even_light = 0.5f;
 
+constexpr const char* cube_pass = "light/reflection cube";
+constexpr const char* sphere_map_pass = "light/sphere map";
 constexpr const char* contact_pass = "shadow/contact";
 constexpr const char* between_pass = "shadow/between objects";
 constexpr const char* bounce_pass = "light/bounced";
 constexpr const char* reflection_pass = "surface reflection";
+
+// While something is dragged: what a tenth of a second has time for on two cores without a GPU.
+constexpr int dragged_face_px = 64;
+constexpr int dragged_lookups = 100'000;
+ContactShadowSettings dragged(ContactShadowSettings settings) {
+    settings.directions = std::min(settings.directions, 8);
+    settings.resolution = std::min(settings.resolution, 128);
+    return settings;
+}
+
+/// What the maps of shadows are made once for.
+const char* hold_for(const Scene& scene) {
+    return std::ranges::any_of(scene.objects, moves) ? "where the objects stand" : "the clip";
+}
 
 Probe even_probe() {
     Probe probe;
@@ -45,17 +61,66 @@ ClipLight::ClipLight(ShaderLibrary& shaders, const Lit& lit, const Scene& scene,
       rays_(lit.objects.rays()),
       surface_(scene.surface),
       quality_(quality),
-      shadows_hold_for_(std::ranges::any_of(scene.objects, moves) ? "where the objects stand" : "the clip"),
+      shadows_hold_for_(hold_for(scene)),
       probe_(probe_of(scene, warnings)),
       surface_picture_(quality.reflection.level == ReflectionLevel::environment ? nullptr : lit.gathered_surface) {
-    if (scene.probe) probe_place_m_ = scene.probe->place_m;
-    environment_ = std::make_unique<Environment>(
-        shaders, probe_, EnvironmentSettings{.face_size = quality.mirror_face_px, .maps_at_once = false});
+    if (scene.probe) {
+        probe_place_m_ = scene.probe->place_m;
+        probe_name_ = scene.probe->path.string();
+    }
+    make_environment(warnings);
+    describe_surface();
+}
+
+void ClipLight::make_environment(Warnings& warnings) {
+    EnvironmentSettings settings{.face_size = quality_.mirror_face_px, .maps_at_once = false};
+    if (dragging_) {
+        settings.face_size = std::min(settings.face_size, dragged_face_px);
+        settings.lookups_per_level = dragged_lookups;
+    }
+    coarse_environment_ = dragging_;
+    environment_ = std::make_unique<Environment>(shaders_, probe_, settings);
     if (environment_->clamped_values() > 0) {
         warnings.add(fmt::format("{}: {} values beyond the range of half floats are taken as 65504 in reflections",
-                                 scene.probe ? scene.probe->path.string() : "probe", environment_->clamped_values()));
+                                 probe_name_, environment_->clamped_values()));
     }
-    describe_surface();
+}
+
+void ClipLight::set_scene(RenderGraph& graph, const Scene& scene, const SceneChange& change, Warnings& warnings) {
+    shadows_hold_for_ = hold_for(scene);
+    if (change.light && scene.probe) {
+        probe_place_m_ = scene.probe->place_m;
+        if (!unplaced_probe_) {
+            Warnings unheard;  // it was read before
+            unheard.set_quiet(true);
+            unplaced_probe_ = load_probe(scene.probe->path, scene.probe->mapping, unheard);
+        }
+        probe_ = placed(*unplaced_probe_, scene.probe->placement);
+        object_light_.reset();
+        make_environment(warnings);
+        graph.forget_kept(cube_pass);
+        graph.forget_kept(sphere_map_pass);
+    }
+    if (change.surface) surface_ = scene.surface;
+    if (change.light || change.surface) surface_lights_.clear();
+    if (!change.shadows()) return;
+    // Where nothing casts any more, no pass would say so.
+    contact_shadow_.reset();
+    cast_shadow_.reset();
+    shadow_has_bounce_ = false;
+    forget_shadows(graph, true);
+}
+
+bool ClipLight::set_dragging(RenderGraph& graph, bool dragging, Warnings& warnings) {
+    dragging_ = dragging;
+    if (dragging_ || (!coarse_environment_ && !coarse_shadows_)) return false;
+    if (coarse_environment_) {
+        make_environment(warnings);
+        graph.forget_kept(cube_pass);
+        graph.forget_kept(sphere_map_pass);
+    }
+    forget_shadows(graph, true);
+    return true;
 }
 
 ShadowCasters ClipLight::casters() {
@@ -158,12 +223,14 @@ void ClipLight::add_environment(RenderGraph& graph, std::vector<PassInput>& inpu
                         }});
         inputs.push_back({map});
     };
-    add("light/reflection cube", ReflectionForm::cube, "no object reflects by it", &Environment::make_cube);
-    add("light/sphere map", ReflectionForm::sphere_map, "no object reflects by it", &Environment::make_sphere_map);
+    add(cube_pass, ReflectionForm::cube, "no object reflects by it", &Environment::make_cube);
+    add(sphere_map_pass, ReflectionForm::sphere_map, "no object reflects by it", &Environment::make_sphere_map);
 }
 
 void ClipLight::forget_shadows(RenderGraph& graph, bool casters) {
     if (casters) graph.forget_kept(contact_pass);
+    coarse_shadows_ = dragging_;
+    if (dragging_) return;
     graph.forget_kept(between_pass);
     graph.forget_kept(bounce_pass);
 }
@@ -183,9 +250,10 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
                         .once = true,
                         .once_for = shadows_hold_for_,
                         .draw = [this](PassRun&) {
-                            contact_shadow_ = make_contact_shadow(
-                                shaders_, casters(),
-                                make_surface_light(probe_, surface_.z_m, quality_.shadow.directions), quality_.shadow);
+                            const ContactShadowSettings& settings =
+                                dragging_ ? dragged(quality_.shadow) : quality_.shadow;
+                            contact_shadow_ =
+                                make_contact_shadow(shaders_, casters(), surface_light(settings.directions), settings);
                             cast_shadow_.reset();
                             if (contact_shadow_ && bounces()) cast_shadow_ = contact_shadow_->copy();
                             shadow_has_bounce_ = false;
@@ -206,6 +274,18 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
     inputs.push_back({baked});
 }
 
+// Objects that move change nothing of these, and to find them the whole probe is summed up.
+const SurfaceLight& ClipLight::surface_light(int directions) {
+    const auto found = surface_lights_.find(directions);
+    if (found != surface_lights_.end()) return found->second;
+    return surface_lights_.emplace(directions, make_surface_light(probe_, surface_.z_m, directions)).first->second;
+}
+
+const std::vector<DirectionalSample>& ClipLight::object_light() {
+    if (!object_light_) object_light_ = sample_directions(probe_, quality_.object_shadow.directions, -1, false);
+    return *object_light_;
+}
+
 bool ClipLight::bounces() const {
     return shading_.traces_rays && quality_.bounce.rays > 0;
 }
@@ -221,7 +301,7 @@ void ClipLight::bake_object_shadow() {
     has_visibility_ = false;
     object_shadow_.reset();
     real_shadow_.reset();
-    const auto samples = sample_directions(probe_, quality_.object_shadow.directions, -1, false);
+    const std::vector<DirectionalSample>& samples = object_light();
     const bool reals_cast = !surfaces_.real_caster_bounds_m().isEmpty();
     if (samples.empty() || (surfaces_.shadow_caster_bounds_m().isEmpty() && !reals_cast)) return;
     object_shadow_.emplace(shaders_, casters(), samples, quality_.object_shadow);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "compositor/quality.h"
 #include "compositor/reach.h"
+#include "compositor/scene_change.h"
 #include "compositor/scene_objects.h"
 #include "core/warnings.h"
 #include "render/effects/contact_shadow.h"
@@ -36,8 +38,14 @@ public:
     /// The passes that make what the scene needs, drawn once over all frames; returns what drawing surfaces reads.
     std::vector<PassInput> add_passes(RenderGraph& graph);
     /// Objects stand otherwise than when the maps were made: lets the passes of shadows draw again, of the one on the
-    /// surface only where `casters` moved.
-    static void forget_shadows(RenderGraph& graph, bool casters);
+    /// surface only where `casters` moved. While dragging, the one between objects stays as it was.
+    void forget_shadows(RenderGraph& graph, bool casters);
+    /// The same objects and the same probe, otherwise turned, exposed or taken elsewhere, over another surface: lets
+    /// all passes that this concerns draw again. Throws InputError.
+    void set_scene(RenderGraph& graph, const Scene& scene, const SceneChange& change, Warnings& warnings);
+    /// True: what is made from now on is coarse, and quickly made. False: what was made so draws again; returns whether
+    /// there is any.
+    bool set_dragging(RenderGraph& graph, bool dragging, Warnings& warnings);
 
     /// Turned and scaled as the scene says.
     const Probe& probe() const { return probe_; }
@@ -57,6 +65,7 @@ public:
     SurfaceReflection add_reflection(RenderGraph& graph, const MirrorView& view) const;
 
 private:
+    void make_environment(Warnings& warnings);
     ShadowCasters casters();
     ShadowCasters real_casters();
     void add_environment(RenderGraph& graph, std::vector<PassInput>& inputs);
@@ -68,6 +77,8 @@ private:
     void bounce_light();
     void describe_surface();
     void bind_shading(Program& program) const;
+    const SurfaceLight& surface_light(int directions);
+    const std::vector<DirectionalSample>& object_light();
 
     ShaderLibrary& shaders_;
     SurfaceRenderer& surfaces_;
@@ -75,11 +86,17 @@ private:
     SurfaceSettings surface_;
     std::optional<Eigen::Vector3d> probe_place_m_;
     Quality quality_;
-    std::string shadows_hold_for_;  // what the maps of shadows are made once for
+    std::string shadows_hold_for_;         // what the maps of shadows are made once for
+    std::optional<Probe> unplaced_probe_;  // kept once it was placed anew
     Probe probe_;
     std::unique_ptr<Environment> environment_;
-    std::optional<ContactShadow> cast_shadow_;     // as cast; empty where no light bounces
-    std::optional<ContactShadow> contact_shadow_;  // with what bounces to the surface
+    std::string probe_name_ = "probe";            // in warnings
+    std::map<int, SurfaceLight> surface_lights_;  // by their directions
+    std::optional<std::vector<DirectionalSample>> object_light_;
+    bool dragging_ = false;
+    bool coarse_environment_ = false, coarse_shadows_ = false;  // made while dragging
+    std::optional<ContactShadow> cast_shadow_;                  // as cast; empty where no light bounces
+    std::optional<ContactShadow> contact_shadow_;               // with what bounces to the surface
     // Kept where there are spheres, which look at them in every pixel.
     std::optional<ObjectShadow> object_shadow_, real_shadow_;
     SurfacePictureMap surface_picture_;

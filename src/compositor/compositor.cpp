@@ -49,9 +49,10 @@ Quality chosen_quality(const CompositorOptions& options, const Scene& scene, War
 
 }  // namespace
 
-Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& the_solve,
+Compositor::Impl::Impl(GlContext& gl_context, const Scene& the_scene, const Solve& the_solve,
                        const CompositorOptions& the_options, Warnings& the_warnings)
     : context(gl_context),
+      scene(the_scene),
       solve(with_overscan(the_solve, the_options.overscan)),
       options(the_options),
       quality(chosen_quality(the_options, scene, the_warnings)),
@@ -61,8 +62,8 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
       lens_map(make_lens_map(solve.camera)),
       effects(shaders, with_overscan(scene.effects, the_solve.camera, the_options.overscan), quality, solve.camera) {
     assert(options.layers || !options.overscan.any());
-    open_side_footage(scene);
-    load_objects(scene, warnings);
+    open_side_footage();
+    load_objects(warnings);
     for (const ObjectSettings& object : scene.objects) object_names.push_back(object.name);
     light.emplace(
         shaders,
@@ -77,7 +78,7 @@ Compositor::Impl::Impl(GlContext& gl_context, const Scene& scene, const Solve& t
     if (options.budget) keep_to_budget(*options.budget);
 }
 
-void Compositor::Impl::open_side_footage(const Scene& scene) {
+void Compositor::Impl::open_side_footage() {
     const Camera frame = without_overscan(solve.camera, options.overscan);
     const auto side = [&](const std::filesystem::path& path) {
         return SideFootage{.path = path,
@@ -91,13 +92,19 @@ void Compositor::Impl::open_side_footage(const Scene& scene) {
     if (!scene.footage.depth.empty()) depth.emplace(side(scene.footage.depth), warnings);
 }
 
-void Compositor::Impl::load_objects(const Scene& scene, Warnings& the_warnings) {
+ClipTime Compositor::Impl::start() const {
+    return solve.frames.empty() ? ClipTime{} : time_of(solve.frames.front());
+}
+
+ObjectPreparation Compositor::Impl::object_preparation(const Scene& of_scene) const {
     const bool shade_each_other =
-        quality.object_shadow.directions > 0 && std::ranges::any_of(scene.objects, &ObjectSettings::casts_shadow);
-    const ClipTime start = solve.frames.empty() ? ClipTime{} : time_of(solve.frames.front());
+        quality.object_shadow.directions > 0 && std::ranges::any_of(of_scene.objects, &ObjectSettings::casts_shadow);
     const bool traced = quality.reflection.level == ReflectionLevel::rays;
-    const ObjectPreparation preparation{.fine_meshes = shade_each_other || traced, .traced = traced};
-    scene_objects.emplace(surfaces, scene, solve, start, preparation, the_warnings);
+    return {.fine_meshes = shade_each_other || traced, .traced = traced};
+}
+
+void Compositor::Impl::load_objects(Warnings& the_warnings) {
+    scene_objects.emplace(surfaces, scene, solve, start(), object_preparation(scene), the_warnings);
     if (surfaces.any_spheres())
         surfaces.set_peeling(peeling_residual(scene.transparency_tolerance), most_peeled_layers);
 }
@@ -108,19 +115,50 @@ void Compositor::Impl::make_light() {
     graph.run(options.timed);
     check_no_gl_error("making the maps of the light");
     scene_objects->mark_lit();
+    light_is_stale = false;
 }
 
 void Compositor::Impl::place_objects(const SolvedFrame& frame) {
-    if (!scene_objects->any_moves()) return;
-    scene_objects->place(time_of(frame));
+    if (scene_objects->any_moves()) scene_objects->place(time_of(frame));
     const PlacementChange change = scene_objects->change_since_lit();
-    if (!change.any) return;
-    light->forget_shadows(graph, change.casters);
-    if (change.casters) {
+    if (!change.any && !light_is_stale) return;
+    if (change.any) light->forget_shadows(graph, change.casters);
+    if (change.casters || light_is_stale) {
         footprint.reset();
         shadow_detail.reset();
     }
     make_light();
+}
+
+bool Compositor::Impl::set_scene(const Scene& changed) {
+    const SceneChange change = change_between(scene, changed);
+    const ObjectPreparation before = object_preparation(scene), after = object_preparation(changed);
+    if (change.all || options.budget || options.overscan.any() || before.fine_meshes != after.fine_meshes) return false;
+    if (change.materials && after.traced) return false;  // rays have the materials with the vertices
+    context.make_current();
+    const std::vector<float> reflectances = surfaces.reflectances();
+    for (std::size_t i = 0; i < changed.objects.size(); ++i) {
+        const ObjectSettings& object = changed.objects[i];
+        if (change.materials && !surfaces.set_material(i, object.material)) return false;
+        surfaces.set_reflection(i, object.reflection);
+        surfaces.set_casts_shadow(i, object.casts_shadow);
+        object_names[i] = object.name;
+    }
+    if (change.placement || change.casting) scene_objects->set_scene(changed, solve, start());
+    light->set_scene(graph, changed, change, warnings);
+    const bool other_sky = change.light && changed.background.probe;
+    if (changed.camera && (change.background || other_sky)) {
+        background.emplace(changed.background, light->probe(), solve.camera.width, solve.camera.height, warnings);
+    }
+    light_is_stale = light_is_stale || change.reflection || change.shadows();
+    if (surfaces.reflectances() != reflectances) {
+        light->forget_shadows(graph, true);
+        light_is_stale = true;
+    }
+    scene_focus.set_scene(changed);
+    effects.set_settings(changed.effects);
+    scene = changed;
+    return true;
 }
 
 void Compositor::Impl::keep_to_budget(const FrameBudget& budget) {
@@ -214,6 +252,16 @@ CompositedFrame Compositor::composite(PlateFrame plate) {
 
 void Compositor::set_effects(const EffectSettings& effects) {
     impl_->effects.set_settings(effects);
+}
+
+bool Compositor::set_scene(const Scene& scene) {
+    return impl_->set_scene(scene);
+}
+
+void Compositor::set_dragging(bool dragging) {
+    impl_->context.make_current();
+    const bool stale = impl_->light->set_dragging(impl_->graph, dragging, impl_->warnings);
+    impl_->light_is_stale = impl_->light_is_stale || stale;
 }
 
 void Compositor::set_timed(bool timed) {

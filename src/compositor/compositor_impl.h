@@ -25,11 +25,15 @@ struct Compositor::Impl {
     Impl(GlContext& gl_context, const Scene& scene, const Solve& the_solve, const CompositorOptions& the_options,
          Warnings& the_warnings);
 
-    void open_side_footage(const Scene& scene);
-    void load_objects(const Scene& scene, Warnings& warnings);
+    void open_side_footage();
+    void load_objects(Warnings& warnings);
+    ObjectPreparation object_preparation(const Scene& scene) const;
+    /// Where the clip begins: objects that move stand there at first.
+    ClipTime start() const;
+    bool set_scene(const Scene& changed);
     /// Makes the light's maps, those that are there already excepted.
     void make_light();
-    /// Puts objects where they are in the frame, and their shadows with them.
+    /// Puts objects where they are in the frame, and makes what is stale of their light.
     void place_objects(const SolvedFrame& frame);
     void prepare_composite(const PlateFormat& format);
     const Response& response_of(const PlateFormat& format) const;
@@ -57,6 +61,7 @@ struct Compositor::Impl {
     void plan_sensor(FramePlan& plan);
 
     GlContext& context;
+    Scene scene;
     Solve solve;
     CompositorOptions options;
     Quality quality;
@@ -68,6 +73,7 @@ struct Compositor::Impl {
     std::optional<SceneObjects> scene_objects;
     RenderGraph graph;
     std::optional<ClipLight> light;
+    bool light_is_stale = false;
     std::optional<LevelChoice> level_choice;    // by the budget
     std::optional<Background> background;       // of a scene without footage
     std::optional<ShadowDetail> shadow_detail;  // made with the first frame that is out of focus

@@ -8,11 +8,19 @@ namespace matchlight {
 
 SceneFocus::SceneFocus(const Scene& scene, const Camera& camera, const SurfaceRenderer& surfaces)
     : camera_(camera), surfaces_(surfaces) {
+    set_scene(scene);
+}
+
+void SceneFocus::set_scene(const Scene& scene) {
+    surface_z_m_.reset();
+    apart_.clear();
+    names_.clear();
     if (scene.surface.present) surface_z_m_ = scene.surface.z_m;
     for (const ObjectSettings& object : scene.objects) {
         if (object.focus) apart_.push_back({.object = names_.size(), .distance_m = object.focus->distance_m});
         names_.push_back(object.name);
     }
+    for (std::size_t i = 0; i < objects_.size(); ++i) objects_[i].name = names_[i];
 }
 
 void SceneFocus::read_objects() {

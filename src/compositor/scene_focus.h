@@ -17,6 +17,9 @@ public:
     /// `surfaces` holds the scene's objects in its order; both references must outlive this.
     SceneFocus(const Scene& scene, const Camera& camera, const SurfaceRenderer& surfaces);
 
+    /// The same objects, with other names and focus of their own, or another surface.
+    void set_scene(const Scene& scene);
+
     /// See autofocus_depth_m(); objects stand as `surfaces` has them now.
     std::optional<double> depth_m(const DepthOfFieldSettings& settings, const RigidTransform& camera_from_world,
                                   Warnings& warnings);

@@ -2,6 +2,7 @@
 #include "compositor/scene_objects.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -85,7 +86,23 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
         if (rays_) rays_->add_object(model, object.material, object.holdout);
     }
     if (rays_) rays_->finish();
-    place(time);
+    for (std::size_t i = 0; i < objects_.size(); ++i) placed_.push_back(surfaces_.world_from_model(i));
+    place_rays();
+}
+
+void SceneObjects::set_scene(const Scene& scene, const Solve& solve, const ClipTime& time) {
+    std::vector<Object> changed;
+    for (const ObjectSettings& object : scene.objects) {
+        changed.push_back({object, world_from_parent(object, solve, scene.path)});
+    }
+    objects_ = std::move(changed);
+    moving_.clear();
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+        if (moves(objects_[i].settings)) moving_.push_back(i);
+        placed_[i] = world_from_model(i, time);
+        surfaces_.place_object(i, placed_[i]);
+    }
+    place_rays();
 }
 
 void SceneObjects::add_spheres(const SurfaceObject& added, const ObjectSettings& object,
@@ -108,23 +125,23 @@ Eigen::Matrix4d SceneObjects::world_from_model(std::size_t object, const ClipTim
 }
 
 void SceneObjects::place(const ClipTime& time) {
-    placed_.clear();
     for (const std::size_t object : moving_) {
-        placed_.push_back(world_from_model(object, time));
-        surfaces_.place_object(object, placed_.back());
+        placed_[object] = world_from_model(object, time);
+        surfaces_.place_object(object, placed_[object]);
     }
-    if (!rays_) return;
-    std::vector<Eigen::Matrix4d> placements;
-    for (std::size_t i = 0; i < objects_.size(); ++i) placements.push_back(surfaces_.world_from_model(i));
-    rays_->place(placements);
+    place_rays();
+}
+
+void SceneObjects::place_rays() {
+    if (rays_) rays_->place(placed_);
 }
 
 PlacementChange SceneObjects::change_since_lit() const {
     PlacementChange change;
-    for (std::size_t i = 0; i < moving_.size(); ++i) {
+    for (std::size_t i = 0; i < placed_.size(); ++i) {
         if (i < lit_.size() && placed_[i] == lit_[i]) continue;
         change.any = true;
-        const ObjectSettings& moved = objects_[moving_[i]].settings;
+        const ObjectSettings& moved = objects_[i].settings;
         change.casters = change.casters || (moved.casts_shadow && !moved.holdout);
     }
     return change;

@@ -41,12 +41,15 @@ public:
     /// Null where nothing is traced.
     RayScene* rays() { return rays_ ? &*rays_ : nullptr; }
 
+    /// Other placements of the same objects, as they stand at `time`. Throws InputError.
+    void set_scene(const Scene& scene, const Solve& solve, const ClipTime& time);
+
     bool any_moves() const { return !moving_.empty(); }
     /// Puts every object that moves where it is at `time`.
     void place(const ClipTime& time);
     Eigen::Matrix4d world_from_model(std::size_t object, const ClipTime& time) const;
 
-    /// What the light's maps were made for: changed by place(), until they are made anew.
+    /// What the light's maps were made for: changed by place() and set_scene(), until they are made anew.
     PlacementChange change_since_lit() const;
     void mark_lit() { lit_ = placed_; }
 
@@ -55,6 +58,7 @@ private:
         ObjectSettings settings;
         Eigen::Affine3d world_from_parent;
     };
+    void place_rays();
     void add_spheres(const SurfaceObject& added, const ObjectSettings& object, const std::filesystem::path& scene,
                      Warnings& warnings);
 
@@ -62,7 +66,7 @@ private:
     std::optional<RayScene> rays_;
     std::vector<Object> objects_;
     std::vector<std::size_t> moving_;      // indices of objects
-    std::vector<Eigen::Matrix4d> placed_;  // one a moving object
+    std::vector<Eigen::Matrix4d> placed_;  // one an object
     std::vector<Eigen::Matrix4d> lit_;
 };
 

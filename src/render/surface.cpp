@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "render/surface_object.h"
 #include "render/surface_targets.h"
@@ -17,12 +18,11 @@ std::size_t SurfaceRenderer::add_object(const SurfaceObject& object) {
     assert(object.model && object.id > 0);
     const Model& model = *object.model;
     Object added{
-        object.world_from_model, object.reflection, object.id, object.casts_shadow, object.is_holdout, {}, {}, {}};
-    for (const ModelMaterial& material : model.materials) {
+        object.world_from_model, object.reflection, object.id, object.casts_shadow, object.is_holdout, {}, {}, {}, {}};
+    added.own_materials = model.materials;
+    if (added.own_materials.empty()) added.own_materials.emplace_back();
+    for (const ModelMaterial& material : added.own_materials) {
         added.materials.push_back(make_surface_material(model, material, object.material, added.textures));
-    }
-    if (added.materials.empty()) {
-        added.materials.push_back(make_surface_material(model, ModelMaterial{}, object.material, added.textures));
     }
     for (const ModelMesh& mesh : model.meshes) {
         if (mesh.indices.empty()) continue;
@@ -37,6 +37,34 @@ std::size_t SurfaceRenderer::add_object(const SurfaceObject& object) {
 
 void SurfaceRenderer::place_object(std::size_t index, const Eigen::Matrix4d& world_from_model) {
     objects_.at(index).world_from_model = world_from_model;
+}
+
+bool SurfaceRenderer::set_material(std::size_t index, const MaterialOverride& material) {
+    Object& object = objects_.at(index);
+    std::vector<SurfaceMaterial> changed;
+    for (const ModelMaterial& own : object.own_materials) {
+        auto surface = surface_material_of_uploaded(own, material, object.textures);
+        if (!surface) return false;
+        changed.push_back(std::move(*surface));
+    }
+    object.materials = std::move(changed);
+    return true;
+}
+
+std::vector<float> SurfaceRenderer::reflectances() const {
+    std::vector<float> all;
+    for (const Object& object : objects_) {
+        for (const SurfaceMaterial& material : object.materials) all.push_back(material.reflectance());
+    }
+    return all;
+}
+
+void SurfaceRenderer::set_reflection(std::size_t index, ReflectionForm form) {
+    objects_.at(index).reflection = form;
+}
+
+void SurfaceRenderer::set_casts_shadow(std::size_t index, bool casts) {
+    objects_.at(index).casts_shadow = casts;
 }
 
 const Eigen::Matrix4d& SurfaceRenderer::world_from_model(std::size_t index) const {

@@ -158,6 +158,13 @@ public:
     /// How they are drawn: what is passed over, for reports and tests. Null where there are none.
     SphereSets* spheres() { return spheres_.get(); }
     void place_object(std::size_t index, const Eigen::Matrix4d& world_from_model);
+    /// Other factors of an object's materials. False, and nothing is changed, where they need a texture of the model
+    /// that was not uploaded, because the ones before stood in its place.
+    bool set_material(std::size_t index, const MaterialOverride& material);
+    /// Of all materials of all objects: what they return to the real surface in their shadows.
+    std::vector<float> reflectances() const;
+    void set_reflection(std::size_t index, ReflectionForm form);
+    void set_casts_shadow(std::size_t index, bool casts);
     const Eigen::Matrix4d& world_from_model(std::size_t index) const;
     std::size_t object_count() const;
     bool any_reflects(ReflectionForm form) const;

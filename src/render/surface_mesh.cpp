@@ -107,11 +107,15 @@ void SurfaceMaterial::bind(Program& program) const {
     program.set("is_classic", is_classic);
 }
 
-const Texture2D* SurfaceTextures::texture(const Model& model, int index, bool is_srgb) {
-    if (index < 0) return nullptr;
+const Texture2D* SurfaceTextures::uploaded(int index, bool is_srgb) const {
     const auto known = std::ranges::find_if(
         entries_, [&](const Entry& entry) { return entry.index == index && entry.is_srgb == is_srgb; });
-    if (known != entries_.end()) return known->texture.get();
+    return known != entries_.end() ? known->texture.get() : nullptr;
+}
+
+const Texture2D* SurfaceTextures::texture(const Model& model, int index, bool is_srgb) {
+    if (index < 0) return nullptr;
+    if (const Texture2D* known = uploaded(index, is_srgb)) return known;
     const ModelTexture& source = model.textures.at(static_cast<std::size_t>(index));
     const Image8& image = source.rgba;
     const int largest = current_gl_context()->info().max_texture_size;
@@ -161,16 +165,18 @@ ModelMaterial with_override(const ModelMaterial& material, const MaterialOverrid
     return factors;
 }
 
-SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& material, const MaterialOverride& chosen,
-                                      SurfaceTextures& textures) {
+namespace {
+
+/// `texture_of(index, is_srgb)` of each texture that is left of the model's.
+template <class TextureOf>
+SurfaceMaterial surface_material(const ModelMaterial& material, const MaterialOverride& chosen,
+                                 const TextureOf& texture_of) {
     SurfaceMaterial result;
     result.factors = with_override(material, chosen);
     const ModelMaterial& factors = result.factors;
-    result.textures = {textures.texture(model, factors.base_color_texture, true),
-                       textures.texture(model, factors.metallic_roughness_texture, false),
-                       textures.texture(model, factors.normal_texture, false),
-                       textures.texture(model, factors.occlusion_texture, false),
-                       textures.texture(model, factors.emissive_texture, true)};
+    result.textures = {texture_of(factors.base_color_texture, true),
+                       texture_of(factors.metallic_roughness_texture, false), texture_of(factors.normal_texture, false),
+                       texture_of(factors.occlusion_texture, false), texture_of(factors.emissive_texture, true)};
     const Eigen::Vector3f base(factors.base_color.data());
     constexpr float dielectric_reflectance = 0.04F;  // glTF 2.0, appendix B
     const Eigen::Vector3f reflectance =
@@ -180,6 +186,26 @@ SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& m
     result.is_classic = chosen.diffuse || chosen.specular;
     result.classic_specular = chosen.specular ? Eigen::Vector3f(to_float(*chosen.specular).data()) : reflectance;
     return result;
+}
+
+}  // namespace
+
+SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& material, const MaterialOverride& chosen,
+                                      SurfaceTextures& textures) {
+    return surface_material(material, chosen,
+                            [&](int index, bool is_srgb) { return textures.texture(model, index, is_srgb); });
+}
+
+std::optional<SurfaceMaterial> surface_material_of_uploaded(const ModelMaterial& material,
+                                                            const MaterialOverride& chosen,
+                                                            const SurfaceTextures& textures) {
+    bool all_there = true;
+    SurfaceMaterial result = surface_material(material, chosen, [&](int index, bool is_srgb) {
+        const Texture2D* texture = textures.uploaded(index, is_srgb);
+        all_there = all_there && (index < 0 || texture != nullptr);
+        return texture;
+    });
+    return all_there ? std::optional(std::move(result)) : std::nullopt;
 }
 
 }  // namespace matchlight

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -73,6 +74,8 @@ class SurfaceTextures {
 public:
     /// Texture `index` of the model, or null for −1. Throws InputError when it is larger than the driver takes.
     const Texture2D* texture(const Model& model, int index, bool is_srgb);
+    /// The same of one that was uploaded; null where it was not.
+    const Texture2D* uploaded(int index, bool is_srgb) const;
 
 private:
     struct Entry {
@@ -90,5 +93,9 @@ ModelMaterial with_override(const ModelMaterial& material, const MaterialOverrid
 /// the metallic-roughness factors: Od = base colour · (1 − metallic), Ks = reflectance at normal incidence.
 SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& material, const MaterialOverride& chosen,
                                       SurfaceTextures& textures);
+/// The same where all its textures are uploaded already; nullopt where one is not.
+std::optional<SurfaceMaterial> surface_material_of_uploaded(const ModelMaterial& material,
+                                                            const MaterialOverride& chosen,
+                                                            const SurfaceTextures& textures);
 
 }  // namespace matchlight

@@ -24,6 +24,7 @@ struct SurfaceRenderer::Object {
     bool casts_shadow;
     bool is_holdout;
     SurfaceTextures textures;
+    std::vector<ModelMaterial> own_materials;  // as the model has them
     std::vector<SurfaceMaterial> materials;
     std::vector<Mesh> meshes;
     std::optional<std::size_t> spheres = {};  // a set of them instead

@@ -1,0 +1,70 @@
+// Settings are compared whole, less what can change: what is new in them counts as all until it is told here.
+#include "compositor/scene_change.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace matchlight {
+
+namespace {
+
+template <class Settings, class Value>
+bool differs(const Settings& before, const Settings& after, Value Settings::*member) {
+    return before.*member != after.*member;
+}
+
+/// An object with nothing said of it but what is loaded.
+ObjectSettings loaded_part(const ObjectSettings& object) {
+    const ObjectSettings plain;
+    ObjectSettings part = object;
+    part.name.clear();
+    part.translate_m = plain.translate_m;
+    part.rotate_deg = plain.rotate_deg;
+    part.scale = plain.scale;
+    part.keys.clear();
+    part.spin.reset();
+    part.parent_tag.reset();
+    part.reflection = plain.reflection;
+    part.casts_shadow = plain.casts_shadow;
+    part.focus.reset();
+    part.material = {};
+    part.material.texture = object.material.texture;
+    return part;
+}
+
+bool loads_otherwise(const Scene& before, const Scene& after) {
+    const auto probe_file = [](const Scene& scene) {
+        return scene.probe ? std::pair(scene.probe->path, scene.probe->mapping)
+                           : std::pair(std::filesystem::path(), std::optional<ProbeMapping>());
+    };
+    const bool of_clip = before.path != after.path || before.footage != after.footage ||
+                         before.camera != after.camera || before.tags != after.tags ||
+                         before.probe.has_value() != after.probe.has_value() || probe_file(before) != probe_file(after);
+    const bool of_quality = before.quality != after.quality || before.reflections != after.reflections ||
+                            before.bounce != after.bounce || before.budget_ms != after.budget_ms ||
+                            before.transparency_tolerance != after.transparency_tolerance;
+    return of_clip || of_quality || !std::ranges::equal(before.objects, after.objects, {}, loaded_part, loaded_part);
+}
+
+}  // namespace
+
+SceneChange change_between(const Scene& before, const Scene& after) {
+    if (loads_otherwise(before, after)) return {.all = true};
+    SceneChange change;
+    for (std::size_t i = 0; i < before.objects.size(); ++i) {
+        const ObjectSettings &was = before.objects[i], &is = after.objects[i];
+        change.placement = change.placement || differs(was, is, &ObjectSettings::translate_m) ||
+                           differs(was, is, &ObjectSettings::rotate_deg) || differs(was, is, &ObjectSettings::scale) ||
+                           differs(was, is, &ObjectSettings::keys) || differs(was, is, &ObjectSettings::spin) ||
+                           differs(was, is, &ObjectSettings::parent_tag);
+        change.materials = change.materials || differs(was, is, &ObjectSettings::material);
+        change.reflection = change.reflection || differs(was, is, &ObjectSettings::reflection);
+        change.casting = change.casting || differs(was, is, &ObjectSettings::casts_shadow);
+    }
+    change.light = before.probe != after.probe;
+    change.surface = before.surface != after.surface;
+    change.background = before.background != after.background;
+    return change;
+}
+
+}  // namespace matchlight

@@ -1,0 +1,25 @@
+// What a changed scene needs made anew of what a compositor holds.
+#pragma once
+
+#include "scene/scene_file.h"
+
+namespace matchlight {
+
+struct SceneChange {
+    bool all = false;         // footage, camera, tags, files, quality: nothing can stay as it is
+    bool placement = false;   // where objects stand, or on what
+    bool materials = false;   // their factors
+    bool reflection = false;  // the form in which objects reflect the probe
+    bool casting = false;     // which objects cast
+    bool light = false;       // how the probe is turned and exposed, or where it was taken
+    bool surface = false;
+    bool background = false;
+
+    /// Whether shadows fall otherwise, wherever objects stand.
+    bool shadows() const { return casting || light || surface; }
+};
+
+/// Effects, names and what objects are focused as cost nothing to change and are not told.
+SceneChange change_between(const Scene& before, const Scene& after);
+
+}  // namespace matchlight
