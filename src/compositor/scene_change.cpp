@@ -2,7 +2,9 @@
 #include "compositor/scene_change.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 namespace matchlight {
 
@@ -30,6 +32,13 @@ ObjectSettings loaded_part(const ObjectSettings& object) {
     part.material = {};
     part.material.texture = object.material.texture;
     return part;
+}
+
+/// They hide the surface from the clip.
+std::vector<ObjectSettings> holdouts_of(const Scene& scene) {
+    std::vector<ObjectSettings> holdouts;
+    std::ranges::copy_if(scene.objects, std::back_inserter(holdouts), &ObjectSettings::holdout);
+    return holdouts;
 }
 
 bool loads_otherwise(const Scene& before, const Scene& after) {
@@ -61,6 +70,10 @@ SceneChange change_between(const Scene& before, const Scene& after) {
         change.reflection = change.reflection || differs(was, is, &ObjectSettings::reflection);
         change.casting = change.casting || differs(was, is, &ObjectSettings::casts_shadow);
     }
+    change.surface_picture = before.surface.present != after.surface.present ||
+                             before.surface.z_m != after.surface.z_m ||
+                             before.effects.vignette != after.effects.vignette ||
+                             !std::ranges::equal(holdouts_of(before), holdouts_of(after));
     change.light = before.probe != after.probe;
     change.surface = before.surface != after.surface;
     change.background = before.background != after.background;

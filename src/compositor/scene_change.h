@@ -14,6 +14,7 @@ struct SceneChange {
     bool light = false;       // how the probe is turned and exposed, or where it was taken
     bool surface = false;
     bool background = false;
+    bool surface_picture = false;  // what the clip shows of the surface (compositor/surface_picture.h)
 
     /// Whether shadows fall otherwise, wherever objects stand.
     bool shadows() const { return casting || light || surface; }
