@@ -135,6 +135,8 @@ bool Compositor::Impl::set_scene(const Scene& changed) {
     const ObjectPreparation before = object_preparation(scene), after = object_preparation(changed);
     if (change.all || options.budget || options.overscan.any() || before.fine_meshes != after.fine_meshes) return false;
     if (change.materials && after.traced) return false;  // rays have the materials with the vertices
+    surface_is_stale = surface_is_stale || needs_other_surface(changed, change);
+    if (surface_is_stale && !dragging) return false;
     context.make_current();
     const std::vector<float> reflectances = surfaces.reflectances();
     for (std::size_t i = 0; i < changed.objects.size(); ++i) {
@@ -159,6 +161,19 @@ bool Compositor::Impl::set_scene(const Scene& changed) {
     effects.set_settings(changed.effects);
     scene = changed;
     return true;
+}
+
+bool Compositor::Impl::needs_other_surface(const Scene& changed, const SceneChange& change) const {
+    const bool may_have_one = options.gathered_surface || scene.surface.present != changed.surface.present;
+    return change.surface_picture && may_have_one && !changed.camera;
+}
+
+bool Compositor::Impl::set_dragging(bool now) {
+    context.make_current();
+    dragging = now;
+    const bool stale = light->set_dragging(graph, dragging, warnings);
+    light_is_stale = light_is_stale || stale;
+    return dragging || !surface_is_stale;
 }
 
 void Compositor::Impl::keep_to_budget(const FrameBudget& budget) {
@@ -258,10 +273,8 @@ bool Compositor::set_scene(const Scene& scene) {
     return impl_->set_scene(scene);
 }
 
-void Compositor::set_dragging(bool dragging) {
-    impl_->context.make_current();
-    const bool stale = impl_->light->set_dragging(impl_->graph, dragging, impl_->warnings);
-    impl_->light_is_stale = impl_->light_is_stale || stale;
+bool Compositor::set_dragging(bool dragging) {
+    return impl_->set_dragging(dragging);
 }
 
 void Compositor::set_timed(bool timed) {

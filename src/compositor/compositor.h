@@ -114,13 +114,13 @@ public:
     /// Other effects from the next frame on, at the cost of none of what is loaded: for the preview's switches.
     void set_effects(const EffectSettings& effects);
     /// Another scene from the next frame on, at the cost of what it changes: its frames are those of a compositor made
-    /// of it, bit for bit. False where there is nothing to keep (see compositor/scene_change.h), or a budget chose the
-    /// levels: then, as after an InputError, this compositor is of no use any more. What the footage shows of the
-    /// surface stays as the options gave it.
+    /// of it, bit for bit. False where there is nothing to keep (see compositor/scene_change.h), where the options'
+    /// gathered surface is of another one, or where a budget chose the levels: then, as after an InputError, this
+    /// compositor is of no use any more.
     bool set_scene(const Scene& scene);
-    /// While true, set_scene() makes coarse shadows and reflections, and leaves those between objects as they were;
-    /// once false again, the next frame is exact.
-    void set_dragging(bool dragging);
+    /// While true, set_scene() makes coarse shadows and reflections, and leaves shadows between objects and the
+    /// gathered surface as they were; once false again, the next frame is exact. False as set_scene() says it.
+    bool set_dragging(bool dragging);
     /// As CompositorOptions::timed, from the next frame on.
     void set_timed(bool timed);
     /// Makes programs anew whose shader files changed; the next frame is drawn with them, and with new maps of what the

@@ -31,6 +31,9 @@ struct Compositor::Impl {
     /// Where the clip begins: objects that move stand there at first.
     ClipTime start() const;
     bool set_scene(const Scene& changed);
+    bool set_dragging(bool now);
+    /// Whether `changed` needs another picture of the surface than the options gave.
+    bool needs_other_surface(const Scene& changed, const SceneChange& change) const;
     /// Makes the light's maps, those that are there already excepted.
     void make_light();
     /// Puts objects where they are in the frame, and makes what is stale of their light.
@@ -74,12 +77,13 @@ struct Compositor::Impl {
     RenderGraph graph;
     std::optional<ClipLight> light;
     bool light_is_stale = false;
-    std::optional<LevelChoice> level_choice;    // by the budget
-    std::optional<Background> background;       // of a scene without footage
-    std::optional<ShadowDetail> shadow_detail;  // made with the first frame that is out of focus
-    std::optional<ShadowFootprint> footprint;   // made with the first frame, whose depth sets the limit
-    std::optional<MatteSource> matte;           // of what is real and in front
-    std::optional<DepthSource> depth;           // of what the footage shows
+    bool dragging = false, surface_is_stale = false;  // the options' gathered surface, while dragging
+    std::optional<LevelChoice> level_choice;          // by the budget
+    std::optional<Background> background;             // of a scene without footage
+    std::optional<ShadowDetail> shadow_detail;        // made with the first frame that is out of focus
+    std::optional<ShadowFootprint> footprint;         // made with the first frame, whose depth sets the limit
+    std::optional<MatteSource> matte;                 // of what is real and in front
+    std::optional<DepthSource> depth;                 // of what the footage shows
     SceneFocus scene_focus;
     LensMap lens_map;
     std::unique_ptr<CompositePass> composite_pass;

@@ -94,10 +94,10 @@ TEST_P(KindOfEdit, IsTakenAsByACompositorMadeOfIt) {
     EXPECT_FALSE(before == after);
     EXPECT_TRUE(after == made_afresh(edited));
     // And back, as undo does; coarse in between.
-    compositor.set_dragging(true);
+    EXPECT_TRUE(compositor.set_dragging(true));
     ASSERT_TRUE(compositor.set_scene(scene_));
     frame_of(compositor);
-    compositor.set_dragging(false);
+    EXPECT_TRUE(compositor.set_dragging(false));
     EXPECT_TRUE(frame_of(compositor) == before);
 }
 
@@ -175,6 +175,24 @@ TEST_F(EditedScene, KeepsWhatItsChangeLeavesAlone) {
     ASSERT_TRUE(compositor.set_scene(scene_));
     EXPECT_EQ(made("shadow/contact"), contact);
     EXPECT_EQ(made("light/reflection cube"), cube);
+}
+
+TEST_F(EditedScene, NeedsAnotherPictureOfASurfaceThatMoved) {
+    GatheredSurface gathered;
+    gathered.radiance = ImageF(2, 2, 4, 0.5F);
+    gathered.clipped = ImageF(2, 2, 1);
+    gathered.rectangle_m = {Eigen::Vector2d(-0.2, -0.2), Eigen::Vector2d(0.2, 0.2)};
+    CompositorOptions with = options();
+    with.gathered_surface = std::make_shared<const GatheredSurface>(gathered);
+    Compositor compositor(context(), scene_, solve_, with, warnings_);
+    Scene edited = scene_;
+    edited.objects[0].translate_m.z() = 0.06;
+    EXPECT_TRUE(compositor.set_scene(edited));
+    edited.surface.z_m = 0.01;
+    EXPECT_TRUE(compositor.set_dragging(true));
+    EXPECT_TRUE(compositor.set_scene(edited)) << "for now";
+    EXPECT_FALSE(compositor.set_dragging(false));
+    EXPECT_FALSE(compositor.set_scene(edited));
 }
 
 TEST_F(EditedScene, IsNotTakenWhereNothingCouldStay) {
