@@ -3,55 +3,26 @@
 
 #include <gtest/gtest.h>
 
+#include "ball_and_box.h"
 #include "compositor/compositor.h"
-#include "gl_fixture.h"
-#include "grey_plate.h"
 #include "scene/object_motion.h"
 
 namespace matchlight {
 namespace {
 
-class MovingObjects : public GlTest {
+class MovingObjects : public test::BallAndBox {
 protected:
     void SetUp() override {
-        GlTest::SetUp();
-        warnings_.set_quiet(true);
-        const std::filesystem::path folder = std::filesystem::path(MATCHLIGHT_SOURCE_DIR) / "samples/table";
-        scene_ = load_scene(folder / "table.toml", warnings_);
-        solve_.camera = camera_for_size(load_camera(folder / "camera.yaml"), 320, 180, folder / "camera.yaml");
-        for (std::int64_t i = 0; i < 4; ++i) {
-            SolvedFrame frame;
-            frame.frame = i;
-            frame.time_s = static_cast<double>(i) / 25;
-            frame.camera_from_world = test::camera_before_the_table();
-            frame.exposure_ev = -1;
-            solve_.frames.push_back(frame);
-        }
-        ObjectSettings ball, box;
-        ball.shape = "sphere";
-        ball.name = "ball";
-        ball.scale.setConstant(0.05);
-        ball.translate_m = {-0.06, 0, 0.03};
-        box.shape = "box";
-        box.name = "box";
-        box.scale.setConstant(0.06);
-        box.translate_m = {0.05, 0, 0.03};
+        set_up(320, 180);
+        ObjectSettings& box = scene_.objects[1];
         box.keys = {{.frame = 0, .translate_m = {0.05, 0, 0.03}, .scale = box.scale},
                     {.frame = 2, .translate_m = {0.01, 0, 0.06}, .rotate_deg = {0, 0, 90}, .scale = box.scale}};
-        scene_.objects = {ball, box};
     }
 
-    /// Coarse, so that maps are made quickly.
     static CompositorOptions options(CompositorOptions with = {}) {
-        with.settings = Quality{.supersampling = 1,
-                                .mirror_face_px = 32,
-                                .shadow = {.directions = 8, .resolution = 64},
-                                .object_shadow = {.directions = 4, .resolution = 32},
-                                .reflection = {.lobe_rays = 1, .bounces = 1},
-                                .bounce = {.rays = 4, .surface_rays = 4, .bounces = 1, .surface_points = 8}};
+        with.settings = coarse_quality();
         return with;
     }
-    PlateFrame plate(std::int64_t frame) const { return test::grey_plate(320, 180, 120, frame); }
     /// The scene as it is at a frame, with nothing that moves.
     Scene standing_as_at(std::int64_t frame) const {
         Scene still = scene_;
@@ -67,10 +38,6 @@ protected:
         for (const PassReport& report : compositor.reports()) drawn += report.name == pass && report.drawn;
         return drawn;
     }
-
-    Warnings warnings_;
-    Scene scene_;
-    Solve solve_;
 };
 
 TEST_F(MovingObjects, AFrameIsThatOfAStillSceneInAnyOrder) {

@@ -5,9 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "ball_and_box.h"
 #include "compositor/compositor.h"
-#include "gl_fixture.h"
-#include "grey_plate.h"
 
 namespace matchlight {
 namespace {
@@ -21,64 +20,34 @@ void PrintTo(const Edit& edit, std::ostream* out) {
     *out << edit.what;
 }
 
-class EditedScene : public GlTest {
+class EditedScene : public test::BallAndBox {
 protected:
     void SetUp() override {
-        GlTest::SetUp();
-        warnings_.set_quiet(true);
-        const std::filesystem::path folder = std::filesystem::path(MATCHLIGHT_SOURCE_DIR) / "samples/table";
-        scene_ = load_scene(folder / "table.toml", warnings_);
-        solve_.camera = camera_for_size(load_camera(folder / "camera.yaml"), 160, 90, folder / "camera.yaml");
-        for (std::int64_t i = 0; i < 2; ++i) {
-            SolvedFrame frame;
-            frame.frame = i;
-            frame.time_s = static_cast<double>(i) / 25;
-            frame.camera_from_world = test::camera_before_the_table();
-            frame.exposure_ev = -1;
+        set_up(160, 90);
+        for (SolvedFrame& frame : solve_.frames) {
             frame.focus_distance_m = 0.6;
             frame.coc_scale_px_m = 10;
-            solve_.frames.push_back(frame);
         }
         SolvedTag tag;
         tag.id = 0;
         tag.size_m = 0.08;
         tag.world_from_tag.translation() = Eigen::Vector3d(0.03, 0.02, 0);
         solve_.rig.push_back(tag);
-        ObjectSettings ball, box;
-        ball.shape = "sphere";
-        ball.name = "ball";
-        ball.scale.setConstant(0.05);
-        ball.translate_m = {-0.06, 0, 0.03};
-        box.shape = "box";
-        box.name = "box";
-        box.scale.setConstant(0.06);
-        box.translate_m = {0.05, 0, 0.03};
-        scene_.objects = {ball, box};
     }
 
-    /// Coarse, so that maps are made quickly.
     static CompositorOptions options() {
         CompositorOptions options;
-        options.settings = Quality{.supersampling = 1,
-                                   .mirror_face_px = 32,
-                                   .shadow = {.directions = 8, .resolution = 64},
-                                   .object_shadow = {.directions = 4, .resolution = 32},
-                                   .reflection = {.level = ReflectionLevel::plane},
-                                   .bounce = {.rays = 0}};
+        options.settings = without_rays(coarse_quality());
         return options;
     }
     std::vector<std::uint16_t> frame_of(Compositor& compositor, std::int64_t frame = 0) const {
-        const Image16 picture = compositor.composite(test::grey_plate(160, 90, 120, frame)).rgb16();
+        const Image16 picture = compositor.composite(plate(frame)).rgb16();
         return {picture.samples().begin(), picture.samples().end()};
     }
     std::vector<std::uint16_t> made_afresh(const Scene& scene, std::int64_t frame = 0) {
         Compositor fresh(context(), scene, solve_, options(), warnings_);
         return frame_of(fresh, frame);
     }
-
-    Warnings warnings_;
-    Scene scene_;
-    Solve solve_;
 };
 
 /// The picture of the same compositor, given the change, which is that of one made of the changed scene.
