@@ -1,5 +1,5 @@
 // A glTF 2.0 metallic-roughness material: factors, textures and the normal they give a fragment.
-// Bits of `material_textures`, as in render/surface.cpp.
+// Bits of `material_textures`, by MaterialSlot (scene/model.h).
 const int has_base_color = 1, has_metallic_roughness = 2, has_normal = 4, has_occlusion = 8, has_emissive = 16;
 
 layout(binding = 0) uniform sampler2D base_color_texture;          // sRGB
@@ -18,6 +18,20 @@ uniform float occlusion_strength = 1.0;
 uniform float alpha_cutoff = 0.0;   // fragments with less are left out
 uniform bool alpha_blends = false;  // else what is left is opaque
 
+// Where a texture is read; the base colour's lies as the vertices say (scene/placed_material.cpp).
+#ifdef UV_MAPPINGS
+in vec2 material_uv_second;
+uniform vec3 uv_rows[30];             // two a slot
+uniform int slots_of_second_uv = 0;   // by the same bits
+vec2 uv_of(int bit, vec2 uv) {
+    int slot = findLSB(bit);
+    vec3 from = vec3((slots_of_second_uv & bit) != 0 ? material_uv_second : uv, 1.0);
+    return vec2(dot(uv_rows[2 * slot], from), dot(uv_rows[2 * slot + 1], from));
+}
+#else
+#define uv_of(bit, uv) uv
+#endif
+
 vec4 base_color_at(vec2 uv, vec4 vertex_color) {
     vec4 color = base_color_factor * vertex_color;
     if ((material_textures & has_base_color) != 0) color *= texture(base_color_texture, uv);
@@ -26,19 +40,19 @@ vec4 base_color_at(vec2 uv, vec4 vertex_color) {
 
 vec2 metallic_roughness_at(vec2 uv) {
     vec2 value = vec2(metallic_factor, roughness_factor);
-    if ((material_textures & has_metallic_roughness) != 0) value *= texture(metallic_roughness_texture, uv).bg;
+    if ((material_textures & has_metallic_roughness) != 0) value *= texture(metallic_roughness_texture, uv_of(has_metallic_roughness, uv)).bg;
     return clamp(value, 0.0, 1.0);
 }
 
 vec3 emissive_at(vec2 uv) {
     vec3 emissive = emissive_factor;
-    if ((material_textures & has_emissive) != 0) emissive *= texture(emissive_texture, uv).rgb;
+    if ((material_textures & has_emissive) != 0) emissive *= texture(emissive_texture, uv_of(has_emissive, uv)).rgb;
     return emissive;
 }
 
 float occlusion_at(vec2 uv) {
     if ((material_textures & has_occlusion) == 0) return 1.0;
-    return 1.0 + occlusion_strength * (texture(occlusion_texture, uv).r - 1.0);
+    return 1.0 + occlusion_strength * (texture(occlusion_texture, uv_of(has_occlusion, uv)).r - 1.0);
 }
 
 // The shading normal, on the side the eye sees. `tangent` is zero where the model has none.
@@ -47,7 +61,7 @@ vec3 shading_normal(vec3 normal, vec4 tangent, vec2 uv, bool front_facing) {
     if ((material_textures & has_normal) != 0 && dot(tangent.xyz, tangent.xyz) > 0.0) {
         vec3 t = normalize(tangent.xyz - dot(tangent.xyz, n) * n);
         vec3 b = cross(n, t) * tangent.w;
-        vec3 mapped = texture(normal_texture, uv).xyz * 2.0 - 1.0;
+        vec3 mapped = texture(normal_texture, uv_of(has_normal, uv)).xyz * 2.0 - 1.0;
         mapped.xy *= normal_scale;
         n = normalize(mat3(t, b, n) * mapped);
     }

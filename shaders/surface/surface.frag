@@ -163,6 +163,15 @@ void main() {
     if (base.a < alpha_cutoff) discard;
     float alpha = alpha_blends ? clamp(base.a, 0.0, 1.0) : 1.0;
 
+#ifdef UNLIT
+    color = vec4(min(max(base.rgb, vec3(0.0)), vec3(largest_half)) * alpha, alpha);
+#ifdef COVERAGE
+    coverage = vec4(alpha);
+#endif
+#ifdef LENS
+    focus_share = vec4(alpha * focus_share_of(surface_coc_px()), 0.0, 0.0, alpha);
+#endif
+#else
     vec3 n = shading_normal(world_normal, world_tangent, material_uv, front_facing);
     vec3 v = normalize(eye_world - world_position);
     // An interpolated normal may turn away from the eye near a silhouette; seen edge on it still reflects forwards.
@@ -226,4 +235,5 @@ void main() {
     coverage = vec4(alpha);
 #endif
     color = vec4(min(radiance, vec3(largest_half)) * alpha, alpha);
+#endif
 }

@@ -6,6 +6,10 @@ layout(location = 2) in vec4 tangent;  // w: handedness
 layout(location = 3) in vec2 texture_uv;
 layout(location = 4) in vec4 color;
 layout(location = 5) in vec4 visibility;  // 1 where none was baked
+#ifdef UV_MAPPINGS
+layout(location = 6) in vec2 texture_uv_second;
+out vec2 material_uv_second;
+#endif
 
 uniform mat4 clip_from_model;  // multiplied in double precision on the CPU
 uniform mat4 world_from_model;
@@ -32,6 +36,9 @@ void main() {
     world_normal = normal_from_model * normal;
     world_tangent = vec4(mat3(world_from_model) * tangent.xyz, tangent.w);
     material_uv = texture_uv;
+#ifdef UV_MAPPINGS
+    material_uv_second = texture_uv_second;
+#endif
     vertex_color = color;
     vertex_visibility = visibility.rgb;
 #ifdef RAYS

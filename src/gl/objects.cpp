@@ -224,10 +224,30 @@ void Texture2D::set_filter(Filter filter) {
     set_filter_of(name(), filter);
 }
 
+void Texture2D::set_filter(const TextureFilter& filter) {
+    assert(name_ && shape_.samples == 0);
+    GLint far = filter.is_smooth_far ? GL_LINEAR : GL_NEAREST;
+    if (filter.mipmaps == Mipmaps::nearest)
+        far = filter.is_smooth_far ? GL_LINEAR_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_NEAREST;
+    if (filter.mipmaps == Mipmaps::linear)
+        far = filter.is_smooth_far ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR;
+    glTextureParameteri(name(), GL_TEXTURE_MIN_FILTER, far);
+    glTextureParameteri(name(), GL_TEXTURE_MAG_FILTER, filter.is_smooth_near ? GL_LINEAR : GL_NEAREST);
+    if (filter.anisotropy > 1 && epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic")) {
+        GLfloat most = 1;
+        glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &most);
+        glTextureParameterf(name(), GL_TEXTURE_MAX_ANISOTROPY_EXT, std::min(filter.anisotropy, most));
+    }
+}
+
 void Texture2D::set_wrap(Wrap u, Wrap v) {
     assert(name_ && shape_.samples == 0);
-    glTextureParameteri(name(), GL_TEXTURE_WRAP_S, u == Wrap::repeat ? GL_REPEAT : GL_CLAMP_TO_EDGE);
-    glTextureParameteri(name(), GL_TEXTURE_WRAP_T, v == Wrap::repeat ? GL_REPEAT : GL_CLAMP_TO_EDGE);
+    const auto mode = [](Wrap wrap) {
+        if (wrap == Wrap::mirrored_repeat) return GL_MIRRORED_REPEAT;
+        return wrap == Wrap::repeat ? GL_REPEAT : GL_CLAMP_TO_EDGE;
+    };
+    glTextureParameteri(name(), GL_TEXTURE_WRAP_S, mode(u));
+    glTextureParameteri(name(), GL_TEXTURE_WRAP_T, mode(v));
 }
 
 void Texture2D::set_depth_comparison(bool on) {

@@ -143,7 +143,16 @@ private:
 };
 
 enum class Filter { nearest, linear, trilinear };
-enum class Wrap { clamp_to_edge, repeat };
+enum class Wrap { clamp_to_edge, repeat, mirrored_repeat };
+enum class Mipmaps { none, nearest, linear };
+
+/// What Filter does not name.
+struct TextureFilter {
+    Mipmaps mipmaps = Mipmaps::linear;
+    bool is_smooth_near = true, is_smooth_far = true;  // between texels, where they are magnified and minified
+    float anisotropy =
+        1;  // how much longer than wide a pixel may lie on the texture; ignored where the driver has none
+};
 
 /// Size and format of a two-dimensional texture.
 struct TextureShape {
@@ -186,6 +195,7 @@ public:
     void clear(float r, float g, float b, float a);
     void make_mipmaps();
     void set_filter(Filter filter);
+    void set_filter(const TextureFilter& filter);
     void set_wrap(Wrap u, Wrap v);
     /// For sampler2DShadow: fetches return the share of taps for which reference ≥ (reversed z) the stored depth.
     void set_depth_comparison(bool on);

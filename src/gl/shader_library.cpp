@@ -60,6 +60,12 @@ Program& ShaderLibrary::program(const std::vector<ShaderStage>& stages, const Sh
     return *entries_.emplace(key, std::move(entry)).first->second.program;
 }
 
+std::vector<std::string> ShaderLibrary::made_programs() const {
+    std::vector<std::string> keys;
+    for (const auto& [key, entry] : entries_) keys.push_back(key);
+    return keys;
+}
+
 Program ShaderLibrary::made(Entry& entry) const {
     std::vector<ShaderName> shaders;
     for (const ShaderStage& stage : entry.stages) {

@@ -47,6 +47,9 @@ public:
     /// that could not be made the last time. Uniforms of a program that is new are zero.
     ShaderReload reload_changed();
 
+    /// What was compiled so far: files and definitions, one text a program.
+    std::vector<std::string> made_programs() const;
+
     const std::filesystem::path& root() const { return root_; }
 
 private:

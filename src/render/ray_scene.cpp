@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/transfer.h"
+#include "render/surface_material.h"
 #include "render/surface_mesh.h"
 #include "scene/triangle_tree.h"
 
@@ -25,13 +26,15 @@ float bits(std::uint32_t value) {
 
 /// The nearest texel, as the texture's wrapping has it; 0..1.
 std::array<float, 4> texel_at(const ModelTexture& texture, const std::array<float, 2>& uv) {
-    const auto place = [](float coordinate, int size, bool repeats) {
+    const auto place = [](float coordinate, int size, TextureWrap wrap) {
         if (!std::isfinite(coordinate)) return 0;
-        const float wrapped = repeats ? coordinate - std::floor(coordinate) : std::clamp(coordinate, 0.0F, 1.0F);
+        float wrapped = std::clamp(coordinate, 0.0F, 1.0F);
+        if (wrap == TextureWrap::repeat) wrapped = coordinate - std::floor(coordinate);
+        if (wrap == TextureWrap::mirror) wrapped = std::abs(coordinate - 2 * std::floor((coordinate + 1) / 2));
         return std::min(static_cast<int>(wrapped * static_cast<float>(size)), size - 1);
     };
-    const std::uint8_t* texel = texture.rgba.pixel(place(uv[0], texture.rgba.width(), texture.wrap_repeat_u),
-                                                   place(uv[1], texture.rgba.height(), texture.wrap_repeat_v));
+    const std::uint8_t* texel = texture.rgba.pixel(place(uv[0], texture.rgba.width(), texture.sampling.wrap_u),
+                                                   place(uv[1], texture.rgba.height(), texture.sampling.wrap_v));
     constexpr float white = 255;
     return {texel[0] / white, texel[1] / white, texel[2] / white, texel[3] / white};
 }
@@ -56,21 +59,28 @@ void RayScene::add_object(const Model& model, const MaterialOverride& material, 
         const auto texture = [&](int index) {
             return index < 0 ? nullptr : &model.textures.at(static_cast<std::size_t>(index));
         };
-        const ModelTexture* base_texture = texture(factors.base_color_texture);
-        const ModelTexture* rough_texture = texture(factors.metallic_roughness_texture);
-        const ModelTexture* emissive_texture = texture(factors.emissive_texture);
+        const ModelTexture* base_texture = texture(factors.texture(MaterialSlot::base_color));
+        const ModelTexture* rough_texture = texture(factors.texture(MaterialSlot::metallic_roughness));
+        const ModelTexture* emissive_texture = texture(factors.texture(MaterialSlot::emissive));
+        const auto uv_of = [&](const ModelVertex& vertex, MaterialSlot slot) {
+            return factors.use(slot).mapping(vertex.uv, vertex.uv_second);
+        };
         const auto first_vertex = static_cast<int>(vertices_.size());
         for (const ModelVertex& vertex : mesh.vertices) {
             Eigen::Vector3f base =
                 Eigen::Vector3f(factors.base_color.data()).cwiseProduct(Eigen::Vector3f(vertex.color.data()));
-            if (base_texture) base = base.cwiseProduct(linear_of(texel_at(*base_texture, vertex.uv)));
+            if (base_texture)
+                base = base.cwiseProduct(linear_of(texel_at(*base_texture, uv_of(vertex, MaterialSlot::base_color))));
             Eigen::Vector2f metallic_roughness(factors.metallic, factors.roughness);
             if (rough_texture) {
-                const std::array<float, 4> texel = texel_at(*rough_texture, vertex.uv);
+                const std::array<float, 4> texel =
+                    texel_at(*rough_texture, uv_of(vertex, MaterialSlot::metallic_roughness));
                 metallic_roughness = metallic_roughness.cwiseProduct(Eigen::Vector2f(texel[2], texel[1]));
             }
             Eigen::Vector3f emission(factors.emissive.data());
-            if (emissive_texture) emission = emission.cwiseProduct(linear_of(texel_at(*emissive_texture, vertex.uv)));
+            if (emissive_texture)
+                emission = emission.cwiseProduct(
+                    linear_of(texel_at(*emissive_texture, uv_of(vertex, MaterialSlot::emissive))));
             const Eigen::Vector3f normal(vertex.normal.data());
             vertices_.push_back({.normal_roughness = {normal.x(), normal.y(), normal.z(), metallic_roughness.y()},
                                  .base_metallic = {base.x(), base.y(), base.z(), metallic_roughness.x()}});

@@ -21,6 +21,8 @@
 
 namespace matchlight {
 
+struct SurfaceMaterial;
+
 /// An object that is seen from elsewhere than the rest, with the same depths.
 struct ObjectView {
     std::size_t object = 0;
@@ -255,6 +257,8 @@ private:
     struct Programs {
         Program& meshes;
         Program* spheres = nullptr;  // null: none are drawn
+        /// For materials that are not plain; empty: `meshes` does for them.
+        std::function<Program&(const SurfaceMaterial&)> of_material = {};
     };
     Programs programs(const std::string& fragment, ShaderDefines defines = {},
                       const std::function<void(Program&)>& set_up = {}) const;

@@ -122,6 +122,19 @@ void SurfaceRenderer::draw_objects(const Programs& programs, const SurfaceView& 
                                    const PlaceMore& place_more) const {
     Program& program = programs.meshes;
     program.use();
+    Program* used = &program;
+    // Another program, where the mesh needs one, has to know the object, too.
+    const auto draw_with_own = [&](const Object& object, const Mesh& mesh, const Object*& placed) {
+        const SurfaceMaterial& material = object.material_of(mesh);
+        Program& own = material.defines.empty() || !programs.of_material ? program : programs.of_material(material);
+        if (&own != used || placed != &object) {
+            own.use();
+            place(own, view, object, place_more);
+        }
+        used = &own;
+        placed = &object;
+        draw_mesh(own, view, object, mesh);
+    };
     struct Blended {
         const Object* object;
         const Mesh* mesh;
@@ -147,7 +160,7 @@ void SurfaceRenderer::draw_objects(const Programs& programs, const SurfaceView& 
     }
     for (const Object& object : objects_) {
         if (object.is_holdout || object.is_spheres()) continue;
-        place(program, view, object, place_more);
+        const Object* placed = nullptr;
         for (const Mesh& mesh : object.meshes) {
             const bool blends = object.material_of(mesh).blends();
             if (blends ? !shows_blended : drawn == Drawn::transparent_light) continue;
@@ -155,7 +168,7 @@ void SurfaceRenderer::draw_objects(const Programs& programs, const SurfaceView& 
                 const double distance_m = (object.bounds_of(mesh).center() - view.eye_world_m).norm();
                 blended.push_back({&object, &mesh, distance_m});
             } else {
-                draw_mesh(program, view, object, mesh);
+                draw_with_own(object, mesh, placed);
             }
         }
     }
@@ -164,8 +177,8 @@ void SurfaceRenderer::draw_objects(const Programs& programs, const SurfaceView& 
     // What shows through blurs as what it is.
     if (drawn == Drawn::light && view.lens) glColorMaski(1, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     for (const Blended& next : blended) {
-        place(program, view, *next.object, place_more);
-        draw_mesh(program, view, *next.object, *next.mesh);
+        const Object* placed = nullptr;
+        draw_with_own(*next.object, *next.mesh, placed);
     }
     if (drawn == Drawn::light && view.lens) glColorMaski(1, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     leave_state();
@@ -177,7 +190,7 @@ SurfaceRenderer::Programs SurfaceRenderer::programs(const std::string& fragment,
         shaders_.program({{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, fragment}}, defines);
     meshes.use();
     if (set_up) set_up(meshes);
-    if (!any_spheres()) return {meshes, nullptr};
+    if (!any_spheres()) return {meshes};
     defines["SPHERES"] = "1";
     Program& spheres = shaders_.full_screen(fragment, defines);
     spheres.use();
@@ -192,7 +205,8 @@ SurfaceRenderer::Programs SurfaceRenderer::light_programs(const Environment& env
     if (shading.traces_rays) defines["RAYS"] = "1";
     // Meshes without baked visibility see all the light.
     glVertexAttrib4f(5, 1, 1, 1, 1);
-    return programs("surface/surface.frag", defines, [&](Program& program) {
+    const std::string fragment = "surface/surface.frag";
+    const auto set_up = [this, &environment, &view, &shading](Program& program) {
         if (view.lens) set_lens(program, *view.lens);
         program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));
         environment.bind(program);
@@ -203,7 +217,23 @@ SurfaceRenderer::Programs SurfaceRenderer::light_programs(const Environment& env
         program.set("real_shadow_depth", static_cast<int>(SurfaceShading::object_shadow_unit + 1));
         program.set("objects_shade", false);
         if (shading.bind) shading.bind(program);
-    });
+    };
+    Programs of_light = programs(fragment, defines, set_up);
+    // Compiled and set up when the first mesh needs it.
+    of_light.of_material = [this, fragment, defines, set_up, ready = std::vector<const Program*>()](
+                               const SurfaceMaterial& material) mutable -> Program& {
+        ShaderDefines with_material = defines;
+        with_material.insert(material.defines.begin(), material.defines.end());
+        Program& program = shaders_.program(
+            {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, fragment}}, with_material);
+        if (std::ranges::find(ready, &program) == ready.end()) {
+            program.use();
+            set_up(program);
+            ready.push_back(&program);
+        }
+        return program;
+    };
+    return of_light;
 }
 
 SurfacePicture SurfaceRenderer::draw(const Environment& environment, const SurfaceView& view,
@@ -256,7 +286,8 @@ SurfacePicture SurfaceRenderer::draw_transparent(const Environment& environment,
     }
     Targets::fit(targets_->transparent, targets_->transparent_color, targets_->depth);
     // Spheres that are seen are opaque.
-    const Programs programs{light_programs(environment, view, shading).meshes, nullptr};
+    Programs programs = light_programs(environment, view, shading);
+    programs.spheres = nullptr;
     const Region region{0, 0, view.width, view.height};
     const Framebuffer* target = &targets_->transparent.target;
     if (view.parts_coverage) {

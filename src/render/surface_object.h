@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "render/surface.h"
+#include "render/surface_material.h"
 #include "render/surface_mesh.h"
 
 namespace matchlight {

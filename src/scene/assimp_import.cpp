@@ -66,6 +66,15 @@ void keep_one_loader(Assimp::Importer& importer, const std::string& entry) {
     }
 }
 
+/// Texture coordinates after a transform of the file.
+std::array<float, 2> moved(const std::array<float, 2>& uv, const std::array<double, 6>& rows) {
+    const auto row = [&](std::size_t i) {
+        return static_cast<float>(rows[i] * static_cast<double>(uv[0]) + rows[i + 1] * static_cast<double>(uv[1]) +
+                                  rows[i + 2]);
+    };
+    return {row(0), row(3)};
+}
+
 class SceneFlattener {
 public:
     SceneFlattener(const aiScene& scene, const CheckedModel& checked, Warnings& warnings)
@@ -87,8 +96,14 @@ private:
     static std::uint64_t corner_count(const aiScene& scene, const aiNode& node);
     void add_node(const aiNode& node, const Matrix4d& world_from_parent);
     void add_mesh(const aiMesh& mesh, const Matrix4d& world_from_mesh);
-    void add_vertices(const aiMesh& from, const Matrix4d& world_from_mesh, unsigned uv_set, ModelMesh& to);
-    int material_of(const aiMesh& mesh, unsigned& uv_set);
+    /// How the vertices of a material are kept.
+    struct KeptMaterial {
+        int number = 0;  // in the model
+        ImportedMaterial layout;
+    };
+    void add_vertices(const aiMesh& mesh, const Matrix4d& world_from_mesh, const ImportedMaterial& layout,
+                      ModelMesh& to);
+    const KeptMaterial& material_of(const aiMesh& mesh);
     void report();
 
     const aiScene& scene_;
@@ -96,10 +111,11 @@ private:
     Warnings& warnings_;
     Model model_;
     TextureTable textures_;
-    std::map<unsigned, std::pair<int, unsigned>> materials_;  // assimp's index → ours and its texture coordinates
+    std::map<unsigned, KeptMaterial> materials_;  // by assimp's index
     std::size_t dropped_triangles_ = 0;
     std::size_t repaired_normals_ = 0;
     std::size_t repaired_attributes_ = 0;
+    std::size_t repaired_tangents_ = 0;
     std::size_t points_and_lines_ = 0;
 };
 
@@ -131,26 +147,21 @@ void SceneFlattener::add_node(const aiNode& node, const Matrix4d& world_from_par
     for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(*node.mChildren[i], world_from_node);
 }
 
-int SceneFlattener::material_of(const aiMesh& mesh, unsigned& uv_set) {
-    auto found = materials_.find(mesh.mMaterialIndex);
-    if (found == materials_.end()) {
-        unsigned set = 0;
-        ModelMaterial material;
-        if (mesh.mMaterialIndex < scene_.mNumMaterials && scene_.mMaterials[mesh.mMaterialIndex] != nullptr) {
-            material =
-                translated_material(*scene_.mMaterials[mesh.mMaterialIndex], checked_, textures_, warnings_, set);
-        }
-        // Scanned colours already hold what a default grey stands for.
-        if (mesh.HasVertexColors(0) && !checked_.entry.ends_with(".gltf")) material.base_color = {1, 1, 1, 1};
-        const std::pair entry{static_cast<int>(model_.materials.size()), set};
-        found = materials_.emplace(mesh.mMaterialIndex, entry).first;
-        model_.materials.push_back(std::move(material));
+const SceneFlattener::KeptMaterial& SceneFlattener::material_of(const aiMesh& mesh) {
+    if (const auto found = materials_.find(mesh.mMaterialIndex); found != materials_.end()) return found->second;
+    ImportedMaterial layout;
+    if (mesh.mMaterialIndex < scene_.mNumMaterials && scene_.mMaterials[mesh.mMaterialIndex] != nullptr) {
+        layout = translated_material(*scene_.mMaterials[mesh.mMaterialIndex], checked_, textures_, warnings_);
     }
-    uv_set = found->second.second;
-    return found->second.first;
+    // Scanned colours already hold what a default grey stands for.
+    if (mesh.HasVertexColors(0) && !checked_.entry.ends_with(".gltf")) layout.material.base_color = {1, 1, 1, 1};
+    model_.materials.push_back(layout.material);
+    const KeptMaterial kept{static_cast<int>(model_.materials.size()) - 1, std::move(layout)};
+    return materials_.emplace(mesh.mMaterialIndex, kept).first->second;
 }
 
-void SceneFlattener::add_vertices(const aiMesh& from, const Matrix4d& world_from_mesh, unsigned uv_set, ModelMesh& to) {
+void SceneFlattener::add_vertices(const aiMesh& from, const Matrix4d& world_from_mesh, const ImportedMaterial& layout,
+                                  ModelMesh& to) {
     const Matrix3d linear = world_from_mesh.topLeftCorner<3, 3>();
     const double side = linear.determinant() < 0 ? -1 : 1;
     // The cofactors turn normals as the inverse transpose does, and exist where a scale is zero.
@@ -168,6 +179,12 @@ void SceneFlattener::add_vertices(const aiMesh& from, const Matrix4d& world_from
         return linear_colors ? value : static_cast<float>(linear_from_srgb_code(static_cast<double>(value)));
     };
 
+    const auto uv_of = [&](unsigned set, unsigned vertex) {
+        if (!from.HasTextureCoords(set)) return std::array{0.0F, 0.0F};
+        const aiVector3D& uv = from.mTextureCoords[set][vertex];
+        return std::array{uv.x, 1 - uv.y};  // assimp's v grows upwards in every format
+    };
+
     to.vertices.resize(from.mNumVertices);
     for (unsigned i = 0; i < from.mNumVertices; ++i) {
         ModelVertex& vertex = to.vertices[i];
@@ -183,19 +200,18 @@ void SceneFlattener::add_vertices(const aiMesh& from, const Matrix4d& world_from
                 vector_of(from.mNormals[i]).cross(vector_of(from.mTangents[i])).dot(vector_of(from.mBitangents[i]));
             vertex.tangent = {tangent[0], tangent[1], tangent[2], static_cast<float>(hand < 0 ? -side : side)};
         }
-        vertex.uv = {0, 0};
-        if (from.HasTextureCoords(uv_set)) {
-            const aiVector3D& uv = from.mTextureCoords[uv_set][i];
-            vertex.uv = {uv.x, 1 - uv.y};  // assimp's v grows upwards in every format
-        }
+        vertex.uv = moved(uv_of(layout.first_set, i), layout.first_rows);
+        vertex.uv_second = layout.second_set ? uv_of(*layout.second_set, i) : std::array{0.0F, 0.0F};
         vertex.color = {1, 1, 1, 1};
         if (from.HasVertexColors(0)) {
             const aiColor4D& color = from.mColors[0][i];
             vertex.color = {color_of(color.r), color_of(color.g), color_of(color.b), color.a};
         }
         bool repaired = false;
-        for (float& value : vertex.uv) {
-            if (!std::isfinite(value)) repaired = true, value = 0;
+        for (auto* pair : {&vertex.uv, &vertex.uv_second}) {
+            for (float& value : *pair) {
+                if (!std::isfinite(value)) repaired = true, value = 0;
+            }
         }
         for (float& value : vertex.color) {
             if (!std::isfinite(value)) repaired = true, value = 1;
@@ -213,9 +229,9 @@ void SceneFlattener::add_vertices(const aiMesh& from, const Matrix4d& world_from
 
 void SceneFlattener::add_mesh(const aiMesh& from, const Matrix4d& world_from_mesh) {
     ModelMesh to;
-    unsigned uv_set = 0;
-    to.material = material_of(from, uv_set);
-    add_vertices(from, world_from_mesh, uv_set, to);
+    const KeptMaterial& kept = material_of(from);
+    to.material = kept.number;
+    add_vertices(from, world_from_mesh, kept.layout, to);
 
     const bool mirrored = world_from_mesh.topLeftCorner<3, 3>().determinant() < 0;
     to.indices.reserve(3ull * from.mNumFaces);
@@ -244,11 +260,18 @@ void SceneFlattener::add_mesh(const aiMesh& from, const Matrix4d& world_from_mes
     } else {
         compute_normals(to, crease_deg);
     }
-    const bool has_normal_map = model_.materials[static_cast<std::size_t>(to.material)].normal_texture >= 0;
-    if (!has_normal_map) {
+    const ModelMaterial& material = kept.layout.material;
+    const auto has = [&](MaterialSlot slot) { return material.texture(slot) >= 0; };
+    const bool needs_tangents = has(MaterialSlot::normal) || has(MaterialSlot::coat_normal) || material.anisotropy;
+    MaterialSlot leading = MaterialSlot::anisotropy;
+    if (has(MaterialSlot::coat_normal)) leading = MaterialSlot::coat_normal;
+    if (has(MaterialSlot::normal)) leading = MaterialSlot::normal;
+    if (!needs_tangents) {
         for (ModelVertex& vertex : to.vertices) vertex.tangent = {0, 0, 0, 0};
     } else if (!from.HasTangentsAndBitangents() || !from.HasNormals()) {
-        compute_tangents(to);
+        compute_tangents(to, material.use(leading).mapping);
+    } else {
+        repaired_tangents_ += repair_tangents(to, material.use(leading).mapping);
     }
     model_.meshes.push_back(std::move(to));
 }
@@ -260,6 +283,7 @@ void SceneFlattener::report() {
     count(dropped_triangles_, "triangles without area or with positions that are not finite, dropped");
     count(repaired_normals_, "normals that are zero or not finite, computed");
     count(repaired_attributes_, "vertices with texture coordinates, colours or tangents that are not finite, replaced");
+    count(repaired_tangents_, "tangents that are zero or lie along the normal, replaced");
     count(points_and_lines_, "points and lines, left out");
     if (model_.meshes.empty()) throw InputError(checked_.path, "it has no triangles");
 }

@@ -4,12 +4,9 @@
 #include <cmath>
 #include <optional>
 
-#include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
-#include <fmt/format.h>
 
 #include "scene/assimp_import.h"
-#include "scene/texture_image.h"
 
 namespace matchlight {
 namespace {
@@ -33,66 +30,27 @@ float unit(float value) {
     return std::clamp(value, 0.0f, 1.0f);
 }
 
-class TextureSlots {
-public:
-    TextureSlots(const aiMaterial& material, const CheckedModel& checked, TextureTable& textures, Warnings& warnings)
-        : material_(material), checked_(checked), textures_(textures), warnings_(warnings) {}
-
-    /// The texture of a slot, or −1. The first one decides which texture coordinates the material uses.
-    int texture(aiTextureType type, const char* what) {
-        aiString name;
-        unsigned set = 0;
-        aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
-        if (material_.GetTextureCount(type) == 0) return -1;
-        if (material_.GetTexture(type, 0, &name, nullptr, &set, nullptr, nullptr, modes) != aiReturn_SUCCESS) return -1;
-        if (set_ && *set_ != set) {
-            warnings_.add(fmt::format("{}: the {} texture of material '{}' has its own texture coordinates, left out",
-                                      checked_.path.string(), what, material_.GetName().C_Str()));
-            return -1;
-        }
-        if (modes[0] == aiTextureMapMode_Mirror || modes[1] == aiTextureMapMode_Mirror) {
-            warnings_.add(fmt::format("{}: the {} texture of material '{}' is repeated without mirroring",
-                                      checked_.path.string(), what, material_.GetName().C_Str()));
-        }
-        const int index =
-            textures_.index_of(name.C_Str(), modes[0] != aiTextureMapMode_Clamp, modes[1] != aiTextureMapMode_Clamp);
-        if (index >= 0) set_ = set;
-        return index;
-    }
-    unsigned set() const { return set_.value_or(0); }
-
-private:
-    const aiMaterial& material_;
-    const CheckedModel& checked_;
-    TextureTable& textures_;
-    Warnings& warnings_;
-    std::optional<unsigned> set_;
-};
-
-void translate_gltf(const aiMaterial& from, TextureSlots& slots, ModelMaterial& to) {
-    to.metallic = unit(number_of(from, AI_MATKEY_METALLIC_FACTOR).value_or(1));
-    to.roughness = unit(number_of(from, AI_MATKEY_ROUGHNESS_FACTOR).value_or(1));
-    if (const auto base = color_of(from, AI_MATKEY_BASE_COLOR)) to.base_color = *base;
-    if (const auto light = color_of(from, AI_MATKEY_COLOR_EMISSIVE))
-        to.emissive = {(*light)[0], (*light)[1], (*light)[2]};
-
-    to.base_color_texture = slots.texture(aiTextureType_BASE_COLOR, "base colour");
-    to.normal_texture = slots.texture(aiTextureType_NORMALS, "normal");
-    to.metallic_roughness_texture = slots.texture(aiTextureType_METALNESS, "metallic-roughness");
-    to.emissive_texture = slots.texture(aiTextureType_EMISSIVE, "emissive");
-    to.occlusion_texture = slots.texture(aiTextureType_LIGHTMAP, "occlusion");
-    to.normal_scale = number_of(from, AI_MATKEY_GLTF_TEXTURE_SCALE(aiTextureType_NORMALS, 0)).value_or(1);
-    to.occlusion_strength =
-        unit(number_of(from, AI_MATKEY_GLTF_TEXTURE_STRENGTH(aiTextureType_LIGHTMAP, 0)).value_or(1));
-
-    aiString mode;
-    from.Get(AI_MATKEY_GLTF_ALPHAMODE, mode);
-    if (mode == aiString("MASK")) to.alpha_mode = AlphaMode::mask;
-    if (mode == aiString("BLEND")) to.alpha_mode = AlphaMode::blend;
-    to.alpha_cutoff = number_of(from, AI_MATKEY_GLTF_ALPHACUTOFF).value_or(0.5f);
-    int double_sided = 0;
-    from.Get(AI_MATKEY_TWOSIDED, double_sided);
-    to.double_sided = double_sided != 0;
+/// The textures of a classic material, each in its slot.
+void take_texture(const aiMaterial& from, aiTextureType type, MaterialSlot slot, TextureTable& textures,
+                  ModelMaterial& to) {
+    aiString name;
+    aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
+    if (from.GetTextureCount(type) == 0 ||
+        from.GetTexture(type, 0, &name, nullptr, nullptr, nullptr, nullptr, modes) != aiReturn_SUCCESS)
+        return;
+    constexpr std::string_view prefix = "texture-";
+    const std::string_view called = name.C_Str();
+    std::size_t number = 0;
+    if (!called.starts_with(prefix) ||
+        std::from_chars(called.data() + prefix.size(), called.data() + called.size(), number).ec != std::errc())
+        return;
+    const auto wrap = [](aiTextureMapMode mode) {
+        return mode == aiTextureMapMode_Clamp ? TextureWrap::clamp : TextureWrap::repeat;
+    };
+    TextureSampling sampling;
+    sampling.wrap_u = wrap(modes[0]);
+    sampling.wrap_v = wrap(modes[1]);
+    to.texture(slot) = textures.index_of(number, sampling);
 }
 
 /// The classic .mtl model in glTF's terms; colours are taken as scene-linear, as Blender writes them.
@@ -102,19 +60,19 @@ void translate_gltf(const aiMaterial& from, TextureSlots& slots, ModelMaterial& 
 ///    section 5.2; glTF's roughness is the square root of theirs).
 ///  - Metals have no diffuse light: black `Kd` with `Ks` above any dielectric's makes one of colour Ks.
 ///  - `d` below 1 blends.
-void translate_mtl(const aiMaterial& from, TextureSlots& slots, ModelMaterial& to) {
+void translate_mtl(const aiMaterial& from, TextureTable& textures, ModelMaterial& to) {
     constexpr float black = 0.02f;
     constexpr float brightest_dielectric = 0.2f;  // diamond reflects 0.17 head on
     const auto largest = [](const std::array<float, 4>& c) { return std::max({c[0], c[1], c[2]}); };
     const auto diffuse = color_of(from, AI_MATKEY_COLOR_DIFFUSE).value_or(std::array{0.8f, 0.8f, 0.8f, 1.0f});
     const auto specular = color_of(from, AI_MATKEY_COLOR_SPECULAR).value_or(std::array{0.0f, 0.0f, 0.0f, 1.0f});
-    to.base_color_texture = slots.texture(aiTextureType_DIFFUSE, "diffuse");
-    to.normal_texture = slots.texture(aiTextureType_NORMALS, "normal");
-    to.emissive_texture = slots.texture(aiTextureType_EMISSIVE, "emissive");
+    take_texture(from, aiTextureType_DIFFUSE, MaterialSlot::base_color, textures, to);
+    take_texture(from, aiTextureType_NORMALS, MaterialSlot::normal, textures, to);
+    take_texture(from, aiTextureType_EMISSIVE, MaterialSlot::emissive, textures, to);
 
     const auto metallic = number_of(from, AI_MATKEY_METALLIC_FACTOR);
-    const bool looks_metallic =
-        to.base_color_texture < 0 && largest(diffuse) < black && largest(specular) > brightest_dielectric;
+    const bool looks_metallic = to.texture(MaterialSlot::base_color) < 0 && largest(diffuse) < black &&
+                                largest(specular) > brightest_dielectric;
     to.metallic = unit(metallic.value_or(looks_metallic ? 1.0f : 0.0f));
     const auto& base = !metallic && looks_metallic ? specular : diffuse;
     for (std::size_t c = 0; c < 3; ++c) to.base_color[c] = unit(base[c]);
@@ -131,37 +89,27 @@ void translate_mtl(const aiMaterial& from, TextureSlots& slots, ModelMaterial& t
 
 }  // namespace
 
-int TextureTable::index_of(const std::string& name, bool repeat_u, bool repeat_v) {
-    const std::string key = fmt::format("{} {} {}", name, repeat_u, repeat_v);
-    if (const auto found = known_.find(key); found != known_.end()) return found->second;
-    int& index = known_[key] = -1;
-    constexpr std::string_view prefix = "texture-";
-    std::size_t number = checked_.textures.size();
-    if (name.starts_with(prefix)) {
-        std::from_chars(name.data() + prefix.size(), name.data() + name.size(), number);
-    }
-    if (number >= checked_.textures.size()) return index;
-    const TextureSource& source = checked_.textures[number];
-    if (auto pixels = read_texture(source, checked_.path, warnings_)) {
-        index = static_cast<int>(model_.textures.size());
-        model_.textures.push_back({source.name, std::move(*pixels), repeat_u, repeat_v});
-    }
-    return index;
-}
-
-ModelMaterial translated_material(const aiMaterial& material, const CheckedModel& checked, TextureTable& textures,
-                                  Warnings& warnings, unsigned& uv_set) {
-    ModelMaterial translated;
-    translated.name = material.GetName().C_Str();
-    TextureSlots slots(material, checked, textures, warnings);
+ImportedMaterial translated_material(const aiMaterial& material, const CheckedModel& checked, TextureTable& textures,
+                                     Warnings& warnings) {
+    constexpr std::string_view prefix = "material-";
+    aiString named;
+    material.Get(AI_MATKEY_NAME, named);
+    const std::string name = named.C_Str();
+    ImportedMaterial translated;
     if (checked.entry.ends_with(".gltf")) {
-        translate_gltf(material, slots, translated);
-    } else if (checked.entry.ends_with(".obj")) {
-        translate_mtl(material, slots, translated);
-    } else {
-        translated.base_color = {0.8f, 0.8f, 0.8f, 1};  // bare geometry: light grey
+        std::size_t number = checked.materials.size();
+        if (name.starts_with(prefix)) std::from_chars(name.data() + prefix.size(), name.data() + name.size(), number);
+        if (number < checked.materials.size())
+            return placed_material(checked.materials[number], checked, textures, warnings);
+        translated.material.metallic = translated.material.roughness = 1;  // of what has none: glTF's default
+        return translated;
     }
-    uv_set = slots.set();
+    translated.material.name = name;
+    if (checked.entry.ends_with(".obj")) {
+        translate_mtl(material, textures, translated.material);
+    } else {
+        translated.material.base_color = {0.8f, 0.8f, 0.8f, 1};  // bare geometry: light grey
+    }
     return translated;
 }
 

@@ -1,12 +1,14 @@
 // A model file after its checks: everything a loader may read of it, held in memory, and nothing else.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "core/warnings.h"
+#include "scene/model.h"
 
 namespace matchlight {
 
@@ -17,12 +19,25 @@ struct TextureSource {
     std::filesystem::path file;  // read when the texture is used; empty where `bytes` hold it
 };
 
+/// A material as its file has it: textures are numbers of TextureSources.
+struct CheckedMaterial {
+    /// How a texture lies: rows times (u, v, 1) of one of the file's sets of texture coordinates.
+    struct Placement {
+        unsigned set = 0;
+        std::array<double, 6> rows{1, 0, 0, 0, 1, 0};
+        TextureSampling sampling;
+    };
+    ModelMaterial material;
+    std::array<Placement, material_slots> placements;
+};
+
 /// What the loader is given. What was checked is what is read: no file is opened twice.
 struct CheckedModel {
     std::filesystem::path path;                // of the model, for messages
     std::string entry;                         // the name to load; its extension says the format
     std::map<std::string, std::string> files;  // name → contents
     std::vector<TextureSource> textures;
+    std::vector<CheckedMaterial> materials = {};  // of glTF: "material-0", "material-1", … in the file
 };
 
 // Each reads one format and throws InputError for everything a loader should not see: truncated files, counts beyond

@@ -2,8 +2,8 @@
 //
 // assimp 5.2 trusts indices, follows names anywhere, and misreads some valid files: texture coordinates and positions
 // that are normalised integers, vertex colours without alpha, sparse accessors over strided views, interleaved buffers
-// that end with their last element. So the document handed on holds nothing but meshes, nodes and materials, its
-// buffers come from memory, and such accessors are replaced by plain ones.
+// that end with their last element. So the document handed on holds nothing but meshes, nodes and the numbers of
+// materials, its buffers come from memory, and such accessors are replaced by plain ones.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -24,7 +24,8 @@ using nlohmann::json;
 constexpr std::size_t deepest_hierarchy = 256;
 
 /// Extensions that a file may require: those of which nothing is lost.
-const std::set<std::string> understood_extensions = {"KHR_mesh_quantization", "KHR_materials_emissive_strength"};
+const std::set<std::string> understood_extensions = {"KHR_mesh_quantization", "KHR_materials_emissive_strength",
+                                                     "KHR_materials_unlit", "KHR_texture_transform"};
 
 class GltfChecker {
 public:
@@ -39,8 +40,17 @@ public:
         add_nodes();
         clean_["asset"] = {{"version", "2.0"}};
         clean_["scene"] = 0;
-        checked_.textures = add_gltf_materials(document_, clean_, warnings_);
+        add_gltf_materials(document_, checked_, warnings_);
+        // Only their numbers: what they are is read here.
+        clean_["materials"] = json::array();
+        for (std::size_t i = 0; i < checked_.materials.size(); ++i) {
+            clean_["materials"].push_back({{"name", fmt::format("material-{}", i)}});
+        }
         add_buffers();
+        // For what depends on the model's contents.
+        std::string materials;
+        for (const char* list : {"materials", "textures", "samplers"}) materials += document_.list(list).dump();
+        checked_.files.emplace("materials", std::move(materials));
         checked_.files.emplace(checked_.entry, clean_.dump());
         return std::move(checked_);
     }

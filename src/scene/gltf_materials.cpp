@@ -1,7 +1,9 @@
-// Copies what is known of glTF materials, checked key by key.
+// Reads what is known of glTF materials, checked key by key.
 #include "scene/gltf_materials.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -10,42 +12,64 @@ namespace {
 
 using nlohmann::json;
 
-class MaterialCopier {
-public:
-    MaterialCopier(const GltfDocument& document, Warnings& warnings) : document_(document), warnings_(warnings) {}
+/// A texture of the file: its picture, and how that is read.
+struct FileTexture {
+    int picture = -1;
+    TextureSampling sampling;
+};
 
-    json material(std::size_t number) {
+float unit(double value) {
+    return static_cast<float>(std::clamp(value, 0.0, 1.0));
+}
+
+/// "extensions": {"KHR_materials_coat": {…}} and their like, key by key.
+class MaterialReader {
+public:
+    MaterialReader(const GltfDocument& document, const std::vector<FileTexture>& textures, Warnings& warnings)
+        : document_(document), textures_(textures), warnings_(warnings) {}
+
+    CheckedMaterial read(std::size_t number) {
         where_ = place_in("materials", number);
+        read_ = {};
         const json& source = document_.item("materials", number);
-        json clean = {
-            {"name", source.contains("name") ? short_name(document_.text_of(source, "name", where_)) : where_}};
-        json& pbr = clean["pbrMetallicRoughness"] = json::object();
-        const json source_pbr = object_of(source, "pbrMetallicRoughness");
-        copy_numbers(source_pbr, "baseColorFactor", 4, pbr);
-        copy_number(source_pbr, "metallicFactor", pbr);
-        copy_number(source_pbr, "roughnessFactor", pbr);
-        copy_texture(source_pbr, "baseColorTexture", "", pbr);
-        copy_texture(source_pbr, "metallicRoughnessTexture", "", pbr);
-        copy_texture(source, "normalTexture", "scale", clean);
-        copy_texture(source, "occlusionTexture", "strength", clean);
-        copy_texture(source, "emissiveTexture", "", clean);
-        copy_numbers(source, "emissiveFactor", 3, clean);
-        if (clean.contains("emissiveFactor")) {
-            const json extension = object_of(object_of(source, "extensions"), "KHR_materials_emissive_strength");
-            const double strength = document_.number_of(extension, "emissiveStrength", 1, where_);
-            for (json& factor : clean["emissiveFactor"]) factor = factor.get<double>() * strength;
-        }
-        if (source.contains("alphaMode")) clean["alphaMode"] = document_.text_of(source, "alphaMode", where_);
-        copy_number(source, "alphaCutoff", clean);
-        if (source.contains("doubleSided")) {
-            if (!source["doubleSided"].is_boolean()) document_.fail(where_ + ".doubleSided is neither true nor false");
-            clean["doubleSided"] = source["doubleSided"];
-        }
-        return clean;
+        read_.material.name =
+            source.contains("name") ? document_.text_of(source, "name", where_).substr(0, 100) : where_;
+        read_base(source);
+        const json extensions = object_of(source, "extensions");
+        read_.material.unlit = extensions.contains("KHR_materials_unlit");
+        return std::move(read_);
     }
 
 private:
-    static std::string short_name(const std::string& name) { return name.substr(0, 100); }
+    void read_base(const json& source) {
+        ModelMaterial& to = read_.material;
+        const json pbr = object_of(source, "pbrMetallicRoughness");
+        if (const auto base = numbers(pbr, "baseColorFactor", 4)) std::copy_n(base->begin(), 4, to.base_color.begin());
+        to.metallic = unit(number(pbr, "metallicFactor", 1));
+        to.roughness = unit(number(pbr, "roughnessFactor", 1));
+        if (const auto light = numbers(source, "emissiveFactor", 3)) {
+            const json extension = object_of(object_of(source, "extensions"), "KHR_materials_emissive_strength");
+            const double strength = number(extension, "emissiveStrength", 1);
+            for (std::size_t c = 0; c < 3; ++c) to.emissive[c] = static_cast<float>((*light)[c] * strength);
+        }
+        read_texture(pbr, "baseColorTexture", MaterialSlot::base_color);
+        read_texture(pbr, "metallicRoughnessTexture", MaterialSlot::metallic_roughness);
+        to.normal_scale =
+            static_cast<float>(number(read_texture(source, "normalTexture", MaterialSlot::normal), "scale", 1));
+        to.occlusion_strength =
+            unit(number(read_texture(source, "occlusionTexture", MaterialSlot::occlusion), "strength", 1));
+        read_texture(source, "emissiveTexture", MaterialSlot::emissive);
+        if (source.contains("alphaMode")) {
+            const std::string mode = document_.text_of(source, "alphaMode", where_);
+            if (mode == "MASK") to.alpha_mode = AlphaMode::mask;
+            if (mode == "BLEND") to.alpha_mode = AlphaMode::blend;
+        }
+        to.alpha_cutoff = static_cast<float>(number(source, "alphaCutoff", 0.5));
+        if (source.contains("doubleSided")) {
+            if (!source["doubleSided"].is_boolean()) document_.fail(where_ + ".doubleSided is neither true nor false");
+            to.double_sided = source["doubleSided"].get<bool>();
+        }
+    }
 
     json object_of(const json& source, const char* key) const {
         const auto found = source.find(key);
@@ -53,34 +77,78 @@ private:
         if (!found->is_object()) document_.fail(fmt::format("{}.{} is no object", where_, key));
         return *found;
     }
-    void copy_number(const json& source, const char* key, json& clean) const {
-        if (source.contains(key)) clean[key] = document_.number_of(source, key, 0, where_);
+    double number(const json& source, const char* key, double fallback) const {
+        return document_.number_of(source, key, fallback, where_);
     }
-    void copy_numbers(const json& source, const char* key, std::size_t size, json& clean) const {
-        if (json numbers = document_.numbers_of(source, key, size, where_); !numbers.is_null()) {
-            clean[key] = std::move(numbers);
-        }
-    }
-    void copy_texture(const json& source, const char* key, const char* number_key, json& clean) {
-        if (!source.contains(key)) return;
-        const json info = object_of(source, key);
-        const auto index = document_.index_of(info, "index", "textures", where_ + "." + key);
-        if (!index) document_.fail(fmt::format("{}.{}.index is missing", where_, key));
-        json& copy = clean[key] = {{"index", *index}};
-        copy["texCoord"] = document_.unsigned_of(info, "texCoord", where_, 0);
-        if (copy["texCoord"].get<std::uint64_t>() > 7)
-            document_.fail(fmt::format("{}.{}.texCoord is above 7", where_, key));
-        if (number_key[0] != '\0') copy_number(info, number_key, copy);
-        if (object_of(info, "extensions").contains("KHR_texture_transform")) {
-            warnings_.add(
-                fmt::format("{}: {}.{} has a texture transform, left out", document_.path().string(), where_, key));
-        }
+    std::optional<std::vector<double>> numbers(const json& source, const char* key, std::size_t size) const {
+        const json found = document_.numbers_of(source, key, size, where_);
+        if (found.is_null()) return std::nullopt;
+        return found.get<std::vector<double>>();
     }
 
+    /// The texture's own object, which may say more of it; an empty one where there is none.
+    json read_texture(const json& source, const char* key, MaterialSlot slot) {
+        if (!source.contains(key)) return json::object();
+        const json info = object_of(source, key);
+        const std::string place = where_ + "." + key;
+        const auto index = document_.index_of(info, "index", "textures", place);
+        if (!index) document_.fail(place + ".index is missing");
+        CheckedMaterial::Placement& placement = read_.placements.at(static_cast<std::size_t>(slot));
+        const FileTexture& texture = textures_.at(*index);
+        read_.material.texture(slot) = texture.picture;
+        placement.sampling = texture.sampling;
+        const json transform = object_of(object_of(info, "extensions"), "KHR_texture_transform");
+        const std::uint64_t set = document_.unsigned_of(info, "texCoord", where_, 0);
+        placement.set = static_cast<unsigned>(
+            std::min<std::uint64_t>(document_.unsigned_of(transform, "texCoord", place, set), most_sets));
+        if (placement.set >= most_sets) document_.fail(place + ".texCoord is above 7");
+        read_transform(transform, place, placement.rows);
+        return info;
+    }
+
+    /// Scaled, then turned against the clock as the picture is seen, then moved.
+    void read_transform(const json& source, const std::string& place, std::array<double, 6>& rows) const {
+        const auto scale = numbers(source, "scale", 2).value_or(std::vector{1.0, 1.0});
+        const auto offset = numbers(source, "offset", 2).value_or(std::vector{0.0, 0.0});
+        const double turn = number(source, "rotation", 0);
+        if (scale[0] == 0 || scale[1] == 0) {
+            warnings_.add(fmt::format("{}: the transform of {} leaves the texture no extent, left out",
+                                      document_.path().string(), place));
+            return;
+        }
+        const double c = std::cos(turn), s = std::sin(turn);
+        rows = {c * scale[0], s * scale[1], offset[0], -s * scale[0], c * scale[1], offset[1]};
+    }
+
+    static constexpr std::uint64_t most_sets = 8;  // that assimp holds
+
     const GltfDocument& document_;
+    const std::vector<FileTexture>& textures_;
     Warnings& warnings_;
     std::string where_;
+    CheckedMaterial read_;
 };
+
+TextureWrap wrap_of(std::uint64_t mode) {
+    if (mode == 33071) return TextureWrap::clamp;
+    return mode == 33648 ? TextureWrap::mirror : TextureWrap::repeat;
+}
+
+/// OpenGL's numbers; what is not said, or unknown, is read as smoothly as it can be.
+TextureSampling sampling(const GltfDocument& document, std::size_t number) {
+    const std::string where = place_in("samplers", number);
+    const json& source = document.item("samplers", number);
+    constexpr std::uint64_t repeat = 10497, nearest = 9728, linear = 9729, trilinear = 9987;
+    TextureSampling read;
+    read.wrap_u = wrap_of(document.unsigned_of(source, "wrapS", where, repeat));
+    read.wrap_v = wrap_of(document.unsigned_of(source, "wrapT", where, repeat));
+    read.is_smooth_near = document.unsigned_of(source, "magFilter", where, linear) != nearest;
+    const std::uint64_t far = document.unsigned_of(source, "minFilter", where, trilinear);
+    read.is_smooth_far = far != nearest && far != 9984 && far != 9986;
+    if (far == nearest || far == linear) read.mipmaps = TextureMipmaps::none;
+    if (far == 9984 || far == 9985) read.mipmaps = TextureMipmaps::nearest;
+    return read;
+}
 
 TextureSource picture(const GltfDocument& document, std::size_t number) {
     const std::string where = place_in("images", number);
@@ -106,42 +174,25 @@ TextureSource picture(const GltfDocument& document, std::size_t number) {
 
 }  // namespace
 
-std::vector<TextureSource> add_gltf_materials(const GltfDocument& document, json& clean, Warnings& warnings) {
-    MaterialCopier copier(document, warnings);
-    clean["materials"] = json::array();
-    for (std::size_t i = 0; i < document.list("materials").size(); ++i)
-        clean["materials"].push_back(copier.material(i));
-
-    clean["samplers"] = json::array();
-    for (std::size_t i = 0; i < document.list("samplers").size(); ++i) {
-        const json& source = document.item("samplers", i);
-        json sampler = json::object();
-        for (const char* key : {"wrapS", "wrapT"}) {
-            sampler[key] = document.unsigned_of(source, key, place_in("samplers", i), 10497);  // repeat
-        }
-        clean["samplers"].push_back(sampler);
-    }
-    std::vector<TextureSource> pictures;
-    clean["images"] = json::array();
-    for (std::size_t i = 0; i < document.list("images").size(); ++i) {
-        pictures.push_back(picture(document, i));
-        clean["images"].push_back({{"uri", fmt::format("texture-{}", i)}});
-    }
-    clean["textures"] = json::array();
+void add_gltf_materials(const GltfDocument& document, CheckedModel& checked, Warnings& warnings) {
+    for (std::size_t i = 0; i < document.list("images").size(); ++i) checked.textures.push_back(picture(document, i));
+    std::vector<FileTexture> textures;
     for (std::size_t i = 0; i < document.list("textures").size(); ++i) {
         const std::string where = place_in("textures", i);
         const json& source = document.item("textures", i);
-        json texture = json::object();
-        if (const auto sampler = document.index_of(source, "sampler", "samplers", where)) texture["sampler"] = *sampler;
+        FileTexture& texture = textures.emplace_back();
+        if (const auto sampler = document.index_of(source, "sampler", "samplers", where)) {
+            texture.sampling = sampling(document, *sampler);
+        }
         if (const auto image = document.index_of(source, "source", "images", where)) {
-            texture["source"] = *image;
+            texture.picture = static_cast<int>(*image);
         } else {
             warnings.add(
                 fmt::format("{}: {} has no picture in a known format, left out", document.path().string(), where));
         }
-        clean["textures"].push_back(texture);
     }
-    return pictures;
+    MaterialReader reader(document, textures, warnings);
+    for (std::size_t i = 0; i < document.list("materials").size(); ++i) checked.materials.push_back(reader.read(i));
 }
 
 }  // namespace matchlight

@@ -9,9 +9,8 @@
 
 namespace matchlight {
 
-/// Writes the checked materials, textures and samplers into `clean`; picture number N is called "texture-N" there and
-/// returned at that place. Throws InputError: values of a wrong type, indices out of range, pictures outside the
-/// model's folder.
-std::vector<TextureSource> add_gltf_materials(const GltfDocument& document, nlohmann::json& clean, Warnings& warnings);
+/// Fills the materials and pictures of `checked`. Throws InputError: values of a wrong type, indices out of range,
+/// pictures outside the model's folder.
+void add_gltf_materials(const GltfDocument& document, CheckedModel& checked, Warnings& warnings);
 
 }  // namespace matchlight

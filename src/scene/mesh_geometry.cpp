@@ -157,14 +157,17 @@ std::size_t repair_normals(ModelMesh& mesh) {
     return count;
 }
 
-void compute_tangents(ModelMesh& mesh) {
+void compute_tangents(ModelMesh& mesh, const UvMapping& mapping) {
     // sums[0]: texture as it is; sums[1]: mirrored.
     std::array<std::vector<Vector3d>, 2> sums;
     for (auto& sum : sums) sum.assign(mesh.vertices.size(), Vector3d::Zero());
     std::vector<signed char> mirrored(triangle_count(mesh), -1);  // −1: the triangle has no area in the texture
 
     for (std::size_t t = 0; t < mirrored.size(); ++t) {
-        const auto corner_uv = [&](std::size_t i) { return mesh.vertices[mesh.indices[3 * t + i]].uv; };
+        const auto corner_uv = [&](std::size_t i) {
+            const ModelVertex& vertex = mesh.vertices[mesh.indices[3 * t + i]];
+            return mapping(vertex.uv, vertex.uv_second);
+        };
         const auto uv0 = corner_uv(0);
         const auto uv1 = corner_uv(1);
         const auto uv2 = corner_uv(2);
@@ -219,8 +222,25 @@ void compute_tangents(ModelMesh& mesh) {
     }
 }
 
+std::size_t repair_tangents(ModelMesh& mesh, const UvMapping& mapping) {
+    const auto is_bad = [](const ModelVertex& vertex) {
+        const Vector3d normal = vector_of(vertex.normal);
+        const Vector3d tangent(vertex.tangent[0], vertex.tangent[1], vertex.tangent[2]);
+        return (tangent - normal * normal.dot(tangent)).norm() < 1e-3;
+    };
+    std::vector<std::uint32_t> bad;
+    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+        if (is_bad(mesh.vertices[v])) bad.push_back(v);
+    }
+    if (bad.empty()) return 0;
+    ModelMesh computed = mesh;
+    compute_tangents(computed, mapping);
+    for (const std::uint32_t v : bad) mesh.vertices[v].tangent = computed.vertices[v].tangent;
+    return bad.size();
+}
+
 void weld(ModelMesh& mesh) {
-    static_assert(sizeof(ModelVertex) == 16 * sizeof(float), "no padding: vertices compare by their bytes");
+    static_assert(sizeof(ModelVertex) == 18 * sizeof(float), "no padding: vertices compare by their bytes");
     const auto bytes_of = [](const ModelVertex& vertex) {
         return std::string_view(reinterpret_cast<const char*>(&vertex), sizeof(ModelVertex));
     };

@@ -18,10 +18,14 @@ void compute_normals(ModelMesh& mesh, double crease_deg);
 /// Gives vertices whose normal is zero or not finite that of the triangles that use them. Returns how many.
 std::size_t repair_normals(ModelMesh& mesh);
 
-/// Tangents along growing u, w = +1 where cross(normal, tangent) points up in the image, as glTF has it. Weighted by
-/// angle over the triangles that share the vertex; vertices between mirrored halves of the texture are split (after
-/// Mikkelsen, Simulation of wrinkled surfaces revisited, 2008).
-void compute_tangents(ModelMesh& mesh);
+/// Tangents along growing u of the texture that lies as `mapping` says, w = +1 where cross(normal, tangent) points up
+/// in the image, as glTF has it. Weighted by angle over the triangles that share the vertex; vertices between mirrored
+/// halves of the texture are split (after Mikkelsen, Simulation of wrinkled surfaces revisited, 2008).
+void compute_tangents(ModelMesh& mesh, const UvMapping& mapping = {});
+
+/// Gives vertices whose tangent is zero or along the normal one of computed directions: that of compute_tangents()
+/// where their triangles have an area in the texture. Returns how many.
+std::size_t repair_tangents(ModelMesh& mesh, const UvMapping& mapping = {});
 
 /// Keeps each distinct vertex once, and none that no triangle uses. Exact: no two different vertices become one.
 void weld(ModelMesh& mesh);

@@ -28,6 +28,24 @@ CheckedModel checked_model(const std::filesystem::path& path, Warnings& warnings
 
 }  // namespace
 
+bool is_color(MaterialSlot slot) {
+    switch (slot) {
+        case MaterialSlot::base_color:
+        case MaterialSlot::emissive:
+        case MaterialSlot::sheen_color:
+        case MaterialSlot::specular_color:
+            return true;
+        default:
+            return false;
+    }
+}
+
+std::array<float, 2> UvMapping::operator()(const std::array<float, 2>& first,
+                                           const std::array<float, 2>& second) const {
+    const auto& uv = of_second ? second : first;
+    return {rows[0] * uv[0] + rows[1] * uv[1] + rows[2], rows[3] * uv[0] + rows[4] * uv[1] + rows[5]};
+}
+
 std::size_t Model::triangle_count() const {
     std::size_t count = 0;
     for (const ModelMesh& mesh : meshes) count += mesh.indices.size() / 3;
@@ -63,9 +81,9 @@ void set_base_color_texture(Model& model, const std::filesystem::path& picture) 
     auto pixels = read_texture({.name = picture.filename().string(), .bytes = {}, .file = picture}, picture, unheard);
     if (!pixels) throw InputError(picture, "it is no picture that can be read", "give a PNG or JPEG file");
     const auto index = static_cast<int>(model.textures.size());
-    model.textures.push_back({.name = picture.string(), .rgba = std::move(*pixels)});
+    model.textures.push_back({.name = picture.string(), .rgba = std::move(*pixels), .sampling = {}});
     for (ModelMaterial& material : model.materials) {
-        material.base_color_texture = index;
+        material.use(MaterialSlot::base_color) = {index, {}};
         material.base_color = {1, 1, 1, material.base_color[3]};
     }
 }

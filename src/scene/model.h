@@ -16,27 +16,111 @@
 
 namespace matchlight {
 
+enum class TextureWrap { repeat, clamp, mirror };
+enum class TextureMipmaps { none, nearest, linear };
+
+/// How a texture is read, as glTF's samplers say it.
+struct TextureSampling {
+    TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
+    TextureMipmaps mipmaps = TextureMipmaps::linear;
+    bool is_smooth_near = true, is_smooth_far = true;  // between texels: where they are larger than pixels, and smaller
+
+    bool operator==(const TextureSampling&) const = default;
+};
+
 struct ModelTexture {
     std::string name;
     Image8 rgba;  // 4 channels, row 0 at the top (v = 0), as glTF has it
-    bool wrap_repeat_u = true, wrap_repeat_v = true;
+    TextureSampling sampling;
 };
 
 enum class AlphaMode { opaque, mask, blend };
 
-/// glTF 2.0 metallic-roughness. Factors are scene-linear; base colour and emissive textures are sRGB-coded, the others
-/// linear. Texture fields index Model::textures, −1 for none.
+/// What a material has textures of.
+enum class MaterialSlot {
+    base_color,
+    metallic_roughness,
+    normal,
+    occlusion,
+    emissive,
+    coat,
+    coat_roughness,
+    coat_normal,
+    sheen_color,
+    sheen_roughness,
+    specular,
+    specular_color,
+    anisotropy,
+    transmission,
+    thickness
+};
+inline constexpr std::size_t material_slots = 15;
+/// Colours are sRGB-coded, all else is linear.
+bool is_color(MaterialSlot slot);
+
+/// Where a texture lies on a mesh: two rows times (u, v, 1), of the vertex's first or second pair.
+struct UvMapping {
+    std::array<float, 6> rows{1, 0, 0, 0, 1, 0};
+    bool of_second = false;
+
+    bool operator==(const UvMapping&) const = default;
+    bool is_plain() const { return *this == UvMapping{}; }
+    std::array<float, 2> operator()(const std::array<float, 2>& first, const std::array<float, 2>& second) const;
+};
+
+/// A texture that a material uses: its index in Model::textures, −1 for none.
+struct TextureUse {
+    int index = -1;
+    UvMapping mapping;
+};
+
+using Rgb = std::array<float, 3>;
+
+// Layers of glTF's extensions KHR_materials_clearcoat, _sheen, _specular, _anisotropy and _transmission with _volume.
+struct CoatFactors {
+    float strength = 0, roughness = 0, normal_scale = 1;
+};
+struct SheenFactors {
+    Rgb color{0, 0, 0};
+    float roughness = 0;
+};
+struct SpecularFactors {
+    float strength = 1;
+    Rgb color{1, 1, 1};
+};
+struct AnisotropyFactors {
+    float strength = 0, rotation_rad = 0;
+};
+struct TransmissionFactors {
+    float share = 0;
+    float thickness_m = 0;  // 0: a thin wall
+    Rgb attenuation_color{1, 1, 1};
+    std::optional<float> attenuation_distance_m;  // absent: nothing is absorbed
+};
+
+/// glTF 2.0 metallic-roughness and its layers. Factors are scene-linear.
 struct ModelMaterial {
     std::string name;
     std::array<float, 4> base_color{1, 1, 1, 1};
     float metallic = 0, roughness = 0.5f;
-    std::array<float, 3> emissive{0, 0, 0};
+    Rgb emissive{0, 0, 0};
     float normal_scale = 1, occlusion_strength = 1;
     AlphaMode alpha_mode = AlphaMode::opaque;
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
-    int base_color_texture = -1, metallic_roughness_texture = -1, normal_texture = -1, emissive_texture = -1,
-        occlusion_texture = -1;
+    bool unlit = false;  // base colour is radiance
+    float ior = 1.5f;
+    std::optional<CoatFactors> coat;
+    std::optional<SheenFactors> sheen;
+    std::optional<SpecularFactors> specular;
+    std::optional<AnisotropyFactors> anisotropy;
+    std::optional<TransmissionFactors> transmission;
+    std::array<TextureUse, material_slots> textures;
+
+    TextureUse& use(MaterialSlot slot) { return textures[static_cast<std::size_t>(slot)]; }
+    const TextureUse& use(MaterialSlot slot) const { return textures[static_cast<std::size_t>(slot)]; }
+    int& texture(MaterialSlot slot) { return use(slot).index; }
+    int texture(MaterialSlot slot) const { return use(slot).index; }
 };
 
 struct ModelVertex {
@@ -44,7 +128,8 @@ struct ModelVertex {
     std::array<float, 3> normal;    // unit length
     std::array<float, 4> tangent;   // xyz unit length, w = handedness ±1; zero without a normal map
     std::array<float, 2> uv;
-    std::array<float, 4> color;  // vertex colour, linear, 1 where there is none
+    std::array<float, 4> color;      // vertex colour, linear, 1 where there is none
+    std::array<float, 2> uv_second;  // of textures that lie otherwise than the first; else zero
 };
 
 struct ModelMesh {

@@ -29,8 +29,9 @@ void normalize_first_three(std::array<float, N>& v) {
 }
 
 ModelVertex middle(const ModelVertex& a, const ModelVertex& b) {
-    ModelVertex result{middle(a.position, b.position), middle(a.normal, b.normal), middle(a.tangent, b.tangent),
-                       middle(a.uv, b.uv), middle(a.color, b.color)};
+    ModelVertex result{middle(a.position, b.position), middle(a.normal, b.normal),
+                       middle(a.tangent, b.tangent),   middle(a.uv, b.uv),
+                       middle(a.color, b.color),       middle(a.uv_second, b.uv_second)};
     normalize_first_three(result.normal);
     normalize_first_three(result.tangent);
     result.tangent[3] = a.tangent[3];

@@ -17,7 +17,8 @@ void add_surface(ModelMesh& mesh, int columns, int rows, const GridSurface& surf
                                      .normal = {normal.x(), normal.y(), normal.z()},
                                      .tangent = {0, 0, 0, 0},
                                      .uv = {uv.x(), uv.y()},
-                                     .color = {1, 1, 1, 1}});
+                                     .color = {1, 1, 1, 1},
+                                     .uv_second = {}});
         }
     }
     const auto stride = static_cast<std::uint32_t>(columns + 1);

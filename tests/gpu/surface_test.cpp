@@ -338,7 +338,7 @@ TEST_F(Surface, masked_textures_cut_and_srgb_is_decoded) {
     square.textures.push_back(texture);
     square.materials[0] = {};
     square.materials[0].alpha_mode = AlphaMode::mask;
-    square.materials[0].base_color_texture = 0;
+    square.materials[0].texture(MaterialSlot::base_color) = 0;
     square.materials[0].metallic = 1;
     square.materials[0].roughness = 0;
     renderer_.add_object({.model = &square});
@@ -354,7 +354,7 @@ TEST_F(Surface, masked_textures_cut_and_srgb_is_decoded) {
 TEST_F(Surface, a_normal_map_turns_the_reflection) {
     Model square = make_square(1);
     square.materials[0] = metal(0.0);
-    square.materials[0].normal_texture = 0;
+    square.materials[0].texture(MaterialSlot::normal) = 0;
     ModelTexture texture;
     texture.name = "tilt";
     texture.rgba = Image8(1, 1, 4, 255);

@@ -17,7 +17,8 @@ ModelVertex vertex_at(double x, double y, double z, double u = 0, double v = 0) 
             .normal = {0, 0, 0},
             .tangent = {0, 0, 0, 0},
             .uv = {static_cast<float>(u), static_cast<float>(v)},
-            .color = {1, 1, 1, 1}};
+            .color = {1, 1, 1, 1},
+            .uv_second = {}};
 }
 
 /// Two squares that share an edge on the y axis; the right one is tilted up by `angle_deg`.

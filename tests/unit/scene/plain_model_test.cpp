@@ -80,17 +80,17 @@ TEST_F(ObjModel, TexturesLieBesideTheirMaterials) {
     write("parts/m.mtl", "newmtl a\nmap_Kd -clamp on -s 1 1 1 a wood.png\nmap_Bump bump.png\n");
     const Model model = load("m.obj", std::string("mtllib parts/m.mtl\n") + square + "usemtl a\nf 1/1 2/2 3/3 4/4\n");
     ASSERT_EQ(model.textures.size(), 1u);
-    EXPECT_EQ(model.materials[0].base_color_texture, 0);
-    EXPECT_FALSE(model.textures[0].wrap_repeat_u);
+    EXPECT_EQ(model.materials[0].texture(MaterialSlot::base_color), 0);
+    EXPECT_EQ(model.textures[0].sampling.wrap_u, TextureWrap::clamp);
     EXPECT_THAT(all_warnings(), HasSubstr("the texture of 'map_bump' is left out"));
 }
 
 TEST_F(ObjModel, MissingMaterialsAndTexturesAreCounted) {
     load("m.obj", std::string("mtllib none.mtl\n") + square + "f 1 2 3\n");
     EXPECT_THAT(all_warnings(), HasSubstr("its materials 'none.mtl' are missing"));
-    EXPECT_EQ(with_material("map_Kd none.png\n").materials[0].base_color_texture, -1);
-    EXPECT_EQ(with_material("map_Kd C:\\Users\\me\\wood.png\n").materials[0].base_color_texture, -1);
-    EXPECT_EQ(with_material("map_Kd ../../etc/passwd\n").materials[0].base_color_texture, -1);
+    EXPECT_EQ(with_material("map_Kd none.png\n").materials[0].texture(MaterialSlot::base_color), -1);
+    EXPECT_EQ(with_material("map_Kd C:\\Users\\me\\wood.png\n").materials[0].texture(MaterialSlot::base_color), -1);
+    EXPECT_EQ(with_material("map_Kd ../../etc/passwd\n").materials[0].texture(MaterialSlot::base_color), -1);
     EXPECT_EQ(warnings_.total(), 4);
 }
 

@@ -120,13 +120,14 @@ TEST_F(RealModels, HaveTheirTextures) {
     const Model helmet = load_model(data_ / "real/models/DamagedHelmet.glb", warnings_);
     EXPECT_EQ(helmet.textures.size(), 5u);
     const ModelMaterial& material = helmet.materials[0];
-    for (const int slot : {material.base_color_texture, material.metallic_roughness_texture, material.normal_texture,
-                           material.emissive_texture, material.occlusion_texture}) {
+    for (const int slot : {material.texture(MaterialSlot::base_color),
+                           material.texture(MaterialSlot::metallic_roughness), material.texture(MaterialSlot::normal),
+                           material.texture(MaterialSlot::emissive), material.texture(MaterialSlot::occlusion)}) {
         ASSERT_GE(slot, 0);
         EXPECT_EQ(helmet.textures[static_cast<std::size_t>(slot)].rgba.width(), 2048);
     }
     // A normal map is mostly flat: blue, with red and green around the middle.
-    const Image8& normals = helmet.textures[static_cast<std::size_t>(material.normal_texture)].rgba;
+    const Image8& normals = helmet.textures[static_cast<std::size_t>(material.texture(MaterialSlot::normal))].rgba;
     double mean[3] = {};
     for (int y = 0; y < normals.height(); y += 16) {
         for (int x = 0; x < normals.width(); x += 16) {

@@ -188,7 +188,7 @@ TEST_F(ModelTest, ATextureOfTheScenesTakesTheBaseColoursPlace) {
     set_base_color_texture(box, folder_ / "red.png");
     ASSERT_EQ(box.textures.size(), 1u);
     EXPECT_EQ(box.textures[0].rgba.pixel(1, 1)[0], 128);
-    EXPECT_EQ(box.materials[0].base_color_texture, 0);
+    EXPECT_EQ(box.materials[0].texture(MaterialSlot::base_color), 0);
     EXPECT_EQ(box.materials[0].base_color, (std::array<float, 4>{1, 1, 1, 0.75F}));
     write("text.png", "no picture");
     EXPECT_THROW(set_base_color_texture(box, folder_ / "text.png"), InputError);

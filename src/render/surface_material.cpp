@@ -1,0 +1,196 @@
+// Uploads textures, binds materials.
+#include "render/surface_material.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/transfer.h"
+#include "gl/context.h"
+
+namespace matchlight {
+
+float SurfaceMaterial::reflectance() const {
+    const auto& base = factors.base_color;
+    const double luminance = luminance_rec709(base[0], base[1], base[2]);
+    constexpr double dielectric = 0.04;  // glTF 2.0, appendix B
+    return static_cast<float>(std::clamp(luminance + dielectric * (1 - factors.metallic), 0.0, 1.0));
+}
+
+void SurfaceMaterial::bind(Program& program) const {
+    static constexpr std::array<const char*, material_slots> samplers{
+        "base_color_texture",      "metallic_roughness_texture", "normal_texture",
+        "occlusion_texture",       "emissive_texture",           "coat_texture",
+        "coat_roughness_texture",  "coat_normal_texture",        "sheen_color_texture",
+        "sheen_roughness_texture", "specular_texture",           "specular_color_texture",
+        "anisotropy_texture",      "transmission_texture",       "thickness_texture"};
+    int present = 0;
+    GLuint layer_unit = first_layer_unit;
+    for (std::size_t i = 0; i < textures.size(); ++i) {
+        if (!textures[i]) continue;
+        const bool is_plain = i < plain_textures;
+        program.bind_texture(samplers[i], is_plain ? static_cast<GLuint>(i) : layer_unit++, *textures[i]);
+        present |= 1 << i;
+    }
+    program.set("material_textures", present);
+    program.set("base_color_factor", Eigen::Vector4f(factors.base_color.data()));
+    program.set("metallic_factor", factors.metallic);
+    program.set("roughness_factor", factors.roughness);
+    program.set("emissive_factor", Eigen::Vector3f(factors.emissive.data()));
+    program.set("normal_scale", factors.normal_scale);
+    program.set("occlusion_strength", factors.occlusion_strength);
+    program.set("alpha_cutoff", factors.alpha_mode == AlphaMode::mask ? factors.alpha_cutoff : 0.0F);
+    program.set("alpha_blends", blends());
+    program.set("classic_diffuse", classic_diffuse);
+    program.set("classic_specular", classic_specular);
+    program.set("is_classic", is_classic);
+    if (!defines.contains("UV_MAPPINGS")) return;
+    std::array<Eigen::Vector3f, 2 * material_slots> rows;
+    int of_second = 0;
+    for (std::size_t i = 0; i < material_slots; ++i) {
+        const UvMapping& mapping = factors.textures[i].mapping;
+        rows[2 * i] = Eigen::Vector3f(mapping.rows.data());
+        rows[2 * i + 1] = Eigen::Vector3f(mapping.rows.data() + 3);
+        if (mapping.of_second) of_second |= 1 << i;
+    }
+    program.set("uv_rows", std::span<const Eigen::Vector3f>(rows));
+    program.set("slots_of_second_uv", of_second);
+}
+
+namespace {
+
+Wrap wrap_of(TextureWrap wrap) {
+    switch (wrap) {
+        case TextureWrap::clamp:
+            return Wrap::clamp_to_edge;
+        case TextureWrap::mirror:
+            return Wrap::mirrored_repeat;
+        default:
+            return Wrap::repeat;
+    }
+}
+
+TextureFilter filter_of(const TextureSampling& sampling) {
+    TextureFilter filter{.is_smooth_near = sampling.is_smooth_near, .is_smooth_far = sampling.is_smooth_far};
+    if (sampling.mipmaps == TextureMipmaps::none) filter.mipmaps = Mipmaps::none;
+    if (sampling.mipmaps == TextureMipmaps::nearest) filter.mipmaps = Mipmaps::nearest;
+    return filter;
+}
+
+/// What the material has that plain ones have not.
+ShaderDefines defines_of(const ModelMaterial& material) {
+    ShaderDefines defines;
+    for (const TextureUse& use : material.textures) {
+        if (use.index >= 0 && !use.mapping.is_plain()) defines["UV_MAPPINGS"] = "1";
+    }
+    if (material.unlit) defines["UNLIT"] = "1";
+    return defines;
+}
+
+}  // namespace
+
+const Texture2D* SurfaceTextures::uploaded(int index, bool is_srgb) const {
+    const auto known = std::ranges::find_if(
+        entries_, [&](const Entry& entry) { return entry.index == index && entry.is_srgb == is_srgb; });
+    return known != entries_.end() ? known->texture.get() : nullptr;
+}
+
+const Texture2D* SurfaceTextures::texture(const Model& model, int index, bool is_srgb) {
+    if (index < 0) return nullptr;
+    if (const Texture2D* known = uploaded(index, is_srgb)) return known;
+    const ModelTexture& source = model.textures.at(static_cast<std::size_t>(index));
+    const Image8& image = source.rgba;
+    const int largest = current_gl_context()->info().max_texture_size;
+    if (image.width() > largest || image.height() > largest) {
+        throw InputError(source.name, fmt::format("the texture has {}×{} pixels; this OpenGL driver takes {}",
+                                                  image.width(), image.height(), largest));
+    }
+    auto texture =
+        std::make_unique<Texture2D>(TextureShape{.format = is_srgb ? GLenum{GL_SRGB8_ALPHA8} : GLenum{GL_RGBA8},
+                                                 .width = image.width(),
+                                                 .height = image.height(),
+                                                 .levels = 0});
+    texture->upload(image);
+    texture->make_mipmaps();
+    texture->set_filter(filter_of(source.sampling));
+    texture->set_wrap(wrap_of(source.sampling.wrap_u), wrap_of(source.sampling.wrap_v));
+    entries_.push_back({index, is_srgb, std::move(texture)});
+    return entries_.back().texture.get();
+}
+
+namespace {
+
+std::array<float, 3> to_float(const std::array<double, 3>& value) {
+    return {static_cast<float>(value[0]), static_cast<float>(value[1]), static_cast<float>(value[2])};
+}
+
+}  // namespace
+
+ModelMaterial with_override(const ModelMaterial& material, const MaterialOverride& chosen) {
+    ModelMaterial factors = material;
+    // A value the scene sets replaces the model's, its texture included.
+    if (chosen.base_color) {
+        const auto rgb = to_float(*chosen.base_color);
+        std::copy(rgb.begin(), rgb.end(), factors.base_color.begin());
+        if (chosen.texture.empty()) factors.texture(MaterialSlot::base_color) = -1;
+    }
+    if (chosen.metallic || chosen.roughness) {
+        factors.metallic = static_cast<float>(chosen.metallic.value_or(factors.metallic));
+        factors.roughness = static_cast<float>(chosen.roughness.value_or(factors.roughness));
+        factors.texture(MaterialSlot::metallic_roughness) = -1;
+    }
+    if (chosen.emissive) {
+        factors.emissive = to_float(*chosen.emissive);
+        factors.texture(MaterialSlot::emissive) = -1;
+    }
+    return factors;
+}
+
+namespace {
+
+/// `texture_of(index, is_srgb)` of each texture that is left of the model's.
+template <class TextureOf>
+SurfaceMaterial surface_material(const ModelMaterial& material, const MaterialOverride& chosen,
+                                 const TextureOf& texture_of) {
+    SurfaceMaterial result;
+    result.factors = with_override(material, chosen);
+    const ModelMaterial& factors = result.factors;
+    for (std::size_t i = 0; i < material_slots; ++i) {
+        result.textures[i] = texture_of(factors.textures[i].index, is_color(static_cast<MaterialSlot>(i)));
+    }
+    result.defines = defines_of(factors);
+    const Eigen::Vector3f base(factors.base_color.data());
+    constexpr float dielectric_reflectance = 0.04F;  // glTF 2.0, appendix B
+    const Eigen::Vector3f reflectance =
+        Eigen::Vector3f::Constant(dielectric_reflectance * (1 - factors.metallic)) + factors.metallic * base;
+    result.classic_diffuse = chosen.diffuse ? Eigen::Vector3f(to_float(*chosen.diffuse).data())
+                                            : Eigen::Vector3f((1 - factors.metallic) * base);
+    result.is_classic = chosen.diffuse || chosen.specular;
+    result.classic_specular = chosen.specular ? Eigen::Vector3f(to_float(*chosen.specular).data()) : reflectance;
+    return result;
+}
+
+}  // namespace
+
+SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& material, const MaterialOverride& chosen,
+                                      SurfaceTextures& textures) {
+    return surface_material(material, chosen,
+                            [&](int index, bool is_srgb) { return textures.texture(model, index, is_srgb); });
+}
+
+std::optional<SurfaceMaterial> surface_material_of_uploaded(const ModelMaterial& material,
+                                                            const MaterialOverride& chosen,
+                                                            const SurfaceTextures& textures) {
+    bool all_there = true;
+    SurfaceMaterial result = surface_material(material, chosen, [&](int index, bool is_srgb) {
+        const Texture2D* texture = textures.uploaded(index, is_srgb);
+        all_there = all_there && (index < 0 || texture != nullptr);
+        return texture;
+    });
+    return all_there ? std::optional(std::move(result)) : std::nullopt;
+}
+
+}  // namespace matchlight
