@@ -55,15 +55,21 @@ float occlusion_at(vec2 uv) {
     return 1.0 + occlusion_strength * (texture(occlusion_texture, uv_of(has_occlusion, uv)).r - 1.0);
 }
 
-// The shading normal, on the side the eye sees. `tangent` is zero where the model has none.
-vec3 shading_normal(vec3 normal, vec4 tangent, vec2 uv, bool front_facing) {
+// A normal of tangent space, on the side the eye sees. `tangent` is zero where the model has none.
+vec3 mapped_normal(vec3 normal, vec4 tangent, vec3 mapped, bool front_facing) {
     vec3 n = normalize(normal);
-    if ((material_textures & has_normal) != 0 && dot(tangent.xyz, tangent.xyz) > 0.0) {
+    if (dot(tangent.xyz, tangent.xyz) > 0.0) {
         vec3 t = normalize(tangent.xyz - dot(tangent.xyz, n) * n);
         vec3 b = cross(n, t) * tangent.w;
-        vec3 mapped = texture(normal_texture, uv_of(has_normal, uv)).xyz * 2.0 - 1.0;
-        mapped.xy *= normal_scale;
         n = normalize(mat3(t, b, n) * mapped);
     }
     return front_facing ? n : -n;
+}
+
+// The shading normal.
+vec3 shading_normal(vec3 normal, vec4 tangent, vec2 uv, bool front_facing) {
+    if ((material_textures & has_normal) == 0) return front_facing ? normalize(normal) : -normalize(normal);
+    vec3 mapped = texture(normal_texture, uv_of(has_normal, uv)).xyz * 2.0 - 1.0;
+    mapped.xy *= normal_scale;
+    return mapped_normal(normal, tangent, mapped, front_facing);
 }

@@ -29,3 +29,22 @@ MaterialScattering material_scattering(vec3 base, float metallic, vec2 table) {
     vec3 transmitted = (1.0 - metallic) * base * (1.0 - dielectric.single - dielectric.multiple);
     return MaterialScattering(mix(dielectric.single, metal.single, metallic), multiple + transmitted);
 }
+
+#ifdef SPECULAR
+// The same of a dielectric that reflects `f0` head on and `f90` edge on.
+Scattering scattering(vec3 f0, float f90, vec2 table) {
+    vec3 single = f0 * table.x + f90 * table.y;
+    float missing = 1.0 - (table.x + table.y);
+    vec3 mean_fresnel = f0 + (f90 - f0) / 21.0;
+    return Scattering(single, missing * single * mean_fresnel / (1.0 - mean_fresnel * missing));
+}
+MaterialScattering material_scattering(vec3 base, float metallic, vec2 table, vec4 specular) {
+    Scattering dielectric = scattering(specular.rgb, specular.a, table);
+    Scattering metal = scattering(base, table);
+    vec3 multiple = mix(dielectric.multiple, metal.multiple, metallic);
+    // The largest channel decides: a tinted reflection does not tint what is below with its complement.
+    vec3 taken = dielectric.single + dielectric.multiple;
+    vec3 transmitted = (1.0 - metallic) * base * (1.0 - max(taken.r, max(taken.g, taken.b)));
+    return MaterialScattering(mix(dielectric.single, metal.single, metallic), multiple + transmitted);
+}
+#endif

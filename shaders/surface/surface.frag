@@ -2,6 +2,7 @@
 // Scene-linear radiance that a surface sends to the eye under the environment, premultiplied with its coverage.
 #include "common/environment.glsl"
 #include "common/material.glsl"
+#include "common/material_layers.glsl"
 #include "common/visibility.glsl"
 #include "common/near_light.glsl"
 #include "common/scattering.glsl"
@@ -9,6 +10,9 @@
 #ifdef RAYS
 #include "common/object_light.glsl"
 #include "surface/lobe.glsl"
+#endif
+#if defined(SHEEN) && !defined(RAYS)
+#include "common/directions.glsl"
 #endif
 #ifdef LENS
 #include "surface/lens_focus.glsl"
@@ -154,6 +158,71 @@ vec3 glossy_radiance(vec3 n, vec3 v, vec3 reflected, float roughness, vec3 refle
     return mirrored_radiance(dominant, widened_roughness(roughness, reflected_dx, reflected_dy));
 }
 
+#ifdef ANISOTROPY
+// Smith's masking of a direction by a surface that is rougher one way (Heitz 2014, "Understanding the Masking-Shadowing
+// Function in Microfacet-Based BRDFs").
+float stretched_lambda(vec3 direction, vec3 n, vec3 along, vec2 alpha) {
+    vec2 spread = alpha * vec2(dot(direction, along), dot(direction, cross(n, along)));
+    float cosine = max(dot(direction, n), 1e-6);
+    return 0.5 * (sqrt(1.0 + dot(spread, spread) / (cosine * cosine)) - 1.0);
+}
+
+// What a lobe shows that is wider one way: the slopes of a GGX surface along that way at even shares of its distribution,
+// D(p, q) ~ (1 + p²/a² + q²/b²)^-2, whose marginal is ~ (1 + p²/a²)^-3/2. Across it each shows the probe's prefiltered lobe
+// of that width, or of the gap to the next one where that is wider.
+vec3 stretched_radiance(vec3 n, vec3 v, float roughness, Anisotropy stretch) {
+    vec2 alpha = vec2(stretch.alpha, max(roughness * roughness, 1e-3));
+#ifdef RAYS
+    const int most = 12;
+#else
+    const int most = 32;
+#endif
+    int count = clamp(int(2.0 * alpha.x / alpha.y), 4, most);
+    float eye_lambda = stretched_lambda(v, n, stretch.along, alpha);
+    vec3 sum = vec3(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < count; ++i) {
+        float share = (2.0 * float(i) + 1.0) / float(count) - 1.0;
+        float rest = 1.0 - share * share;
+        vec3 h = normalize(n + (alpha.x * share * inversesqrt(rest)) * stretch.along);
+        vec3 direction = reflect(-v, h);
+        float n_dot_h = dot(n, h), v_dot_h = dot(v, h);
+        if (dot(n, direction) <= 0.0 || v_dot_h <= 0.0) continue;
+        // Across, the slopes are wider where those along are steep. A gap, twice as wide about the reflection, has the
+        // variance of a twelfth of its square.
+        float across = alpha.y * inversesqrt(rest) * n_dot_h;
+        float gap = 2.0 / float(count) * alpha.x * pow(rest, -1.5) * n_dot_h * n_dot_h;
+        float width2 = max(across * across, gap * gap / (3.0 * lobe_width * lobe_width));
+        float weight = v_dot_h / n_dot_h / (1.0 + eye_lambda + stretched_lambda(direction, n, stretch.along, alpha));
+        sum += weight * light_from(direction, min(sqrt(sqrt(width2)), 1.0));
+        weights += weight;
+    }
+    return weights > 0.0 ? sum / weights : light_from(reflect(-v, n), roughness);
+}
+#endif
+
+#ifdef SHEEN
+// What fibres show: a few wide looks over the hemisphere, weighted by what they send on.
+vec3 sheen_radiance(vec3 n, vec3 v, float roughness) {
+    const int count = 12;
+    const float golden_angle = 2.39996323;
+    const float look_roughness = 0.75;  // twelve of them cover the hemisphere
+    mat3 world_from_surface = frame_about(n);
+    vec3 eye = v * world_from_surface;
+    vec3 sum = vec3(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < count; ++i) {
+        float sine2 = (float(i) + 0.5) / float(count);
+        float angle = golden_angle * float(i);
+        vec3 light = vec3(sqrt(sine2) * vec2(cos(angle), sin(angle)), sqrt(1.0 - sine2));
+        float weight = sheen_distribution(eye, light, roughness);
+        sum += weight * light_from(world_from_surface * light, look_roughness);
+        weights += weight;
+    }
+    return sum / max(weights, 1e-20);
+}
+#endif
+
 void main() {
     if (!see()) discard;
 #ifdef SPHERES
@@ -218,14 +287,54 @@ void main() {
         float metallic = metallic_roughness.x;
         float roughness = metallic_roughness.y;
         float occlusion = occlusion_at(material_uv);
+#ifdef ANISOTROPY
+        Anisotropy stretch = anisotropy_at(material_uv, n, world_tangent, front_facing, roughness);
+        // As much as a round lobe of the same area sends back.
+        vec2 table = split_sum(n_dot_v, sqrt(sqrt(roughness * roughness * stretch.alpha)));
+#else
         vec2 table = split_sum(n_dot_v, roughness);
+#endif
+#ifdef SPECULAR
+        MaterialScattering sent = material_scattering(base.rgb, metallic, table, specular_at(material_uv));
+#else
         MaterialScattering sent = material_scattering(base.rgb, metallic, table);
-        reflection = sent.mirrored * glossy_radiance(n, v, reflected, roughness, reflected_dx, reflected_dy) *
-                     specular_occlusion(n_dot_v, occlusion, roughness);
+#endif
+        vec3 shown = glossy_radiance(n, v, reflected, roughness, reflected_dx, reflected_dy);
+#ifdef ANISOTROPY
+        if (stretch.along != vec3(0.0)) shown = stretched_radiance(n, v, roughness, stretch);
+#endif
+        reflection = sent.mirrored * shown * specular_occlusion(n_dot_v, occlusion, roughness);
         reflection_roughness = roughness;
         radiance = reflection + sent.diffuse * diffuse_light * occlusion;
+#ifdef SHEEN
+        vec3 sheen_color = sheen_color_at(material_uv);
+        float sheen_roughness = sheen_roughness_at(material_uv);
+        float fibres = sheen_albedo(n_dot_v, sheen_roughness);
+        // What is below loses what the fibres send back.
+        float below = 1.0 - max(sheen_color.r, max(sheen_color.g, sheen_color.b)) * fibres;
+        reflection *= below;
+        radiance = below * radiance + sheen_color * fibres * occlusion * sheen_radiance(n, v, sheen_roughness);
+#endif
     }
     radiance += emissive_at(material_uv);
+#ifdef COAT
+    // Over all the rest, its glow included.
+    vec3 coat_n = coat_normal(world_normal, world_tangent, material_uv, front_facing);
+    float coat_cosine = dot(coat_n, v);
+    if (coat_cosine < least_cosine) {
+        coat_n = normalize(coat_n + (least_cosine - coat_cosine) * v);
+        coat_cosine = least_cosine;
+    }
+    float coat_roughness = coat_roughness_at(material_uv);
+    Scattering coat = scattering(dielectric_f0, split_sum(coat_cosine, coat_roughness));
+    float coated = coat_strength_at(material_uv) * coat.single.r;
+    vec3 coat_reflected = reflect(-v, coat_n);
+    vec3 coat_reflection = coated * glossy_radiance(coat_n, v, coat_reflected, coat_roughness, dFdx(coat_reflected),
+                                                    dFdy(coat_reflected));
+    if (dot(coat_reflection, vec3(1.0)) > dot(reflection, vec3(1.0))) reflection_roughness = coat_roughness;
+    reflection = (1.0 - coated) * reflection + coat_reflection;
+    radiance = (1.0 - coated) * radiance + coat_reflection;
+#endif
 #ifdef LENS
     float share = dot(reflection, vec3(1.0)) / max(dot(radiance, vec3(1.0)), 1e-20);
     float lobe = lobe_width * reflection_roughness * reflection_roughness;

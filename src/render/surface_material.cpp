@@ -2,6 +2,7 @@
 #include "render/surface_material.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "core/error.h"
 #include "core/transfer.h"
 #include "gl/context.h"
+#include "render/sheen.h"
 
 namespace matchlight {
 
@@ -47,6 +49,7 @@ void SurfaceMaterial::bind(Program& program) const {
     program.set("classic_diffuse", classic_diffuse);
     program.set("classic_specular", classic_specular);
     program.set("is_classic", is_classic);
+    bind_layers(program, layer_unit);
     if (!defines.contains("UV_MAPPINGS")) return;
     std::array<Eigen::Vector3f, 2 * material_slots> rows;
     int of_second = 0;
@@ -58,6 +61,32 @@ void SurfaceMaterial::bind(Program& program) const {
     }
     program.set("uv_rows", std::span<const Eigen::Vector3f>(rows));
     program.set("slots_of_second_uv", of_second);
+}
+
+void SurfaceMaterial::bind_layers(Program& program, GLuint free_unit) const {
+    if (factors.coat) {
+        program.set("coat_strength", factors.coat->strength);
+        program.set("coat_roughness_factor", factors.coat->roughness);
+        program.set("coat_normal_scale", factors.coat->normal_scale);
+    }
+    if (sheen_table != nullptr) {
+        program.set("sheen_color_factor", Eigen::Vector3f(factors.sheen->color.data()));
+        program.set("sheen_roughness_factor", factors.sheen->roughness);
+        program.bind_texture("sheen_albedo_table", free_unit, *sheen_table);
+    }
+    if (defines.contains("SPECULAR")) {
+        const SpecularFactors specular = factors.specular.value_or(SpecularFactors{});
+        program.set("specular_strength", specular.strength);
+        program.set("specular_color_factor", Eigen::Vector3f(specular.color.data()));
+        const double ratio = (static_cast<double>(factors.ior) - 1) / (static_cast<double>(factors.ior) + 1);
+        // glTF: an index of 0 stands for what reflects everything.
+        program.set("ior_reflectance", factors.ior == 0 ? 1.0 : ratio * ratio);
+    }
+    if (factors.anisotropy) {
+        const float rotation = factors.anisotropy->rotation_rad;
+        program.set("anisotropy_strength", factors.anisotropy->strength);
+        program.set("anisotropy_direction", Eigen::Vector2f(std::cos(rotation), std::sin(rotation)));
+    }
 }
 
 namespace {
@@ -86,7 +115,15 @@ ShaderDefines defines_of(const ModelMaterial& material) {
     for (const TextureUse& use : material.textures) {
         if (use.index >= 0 && !use.mapping.is_plain()) defines["UV_MAPPINGS"] = "1";
     }
-    if (material.unlit) defines["UNLIT"] = "1";
+    if (material.unlit) {
+        defines["UNLIT"] = "1";
+        return defines;
+    }
+    constexpr float usual_ior = 1.5F;  // reflects 0.04
+    if (material.coat && material.coat->strength > 0) defines["COAT"] = "1";
+    if (material.sheen && *std::ranges::max_element(material.sheen->color) > 0) defines["SHEEN"] = "1";
+    if (material.specular || material.ior != usual_ior) defines["SPECULAR"] = "1";
+    if (material.anisotropy && material.anisotropy->strength > 0) defines["ANISOTROPY"] = "1";
     return defines;
 }
 
@@ -119,6 +156,17 @@ const Texture2D* SurfaceTextures::texture(const Model& model, int index, bool is
     texture->set_wrap(wrap_of(source.sampling.wrap_u), wrap_of(source.sampling.wrap_v));
     entries_.push_back({index, is_srgb, std::move(texture)});
     return entries_.back().texture.get();
+}
+
+const Texture2D* SurfaceTextures::sheen_table() {
+    if (!sheen_table_) {
+        constexpr int size = 32, steps = 48;
+        const ImageF table = sheen_albedo_table(size, steps);
+        sheen_table_ = std::make_unique<Texture2D>(TextureShape{.format = GL_R32F, .width = size, .height = size});
+        sheen_table_->upload(table);
+        sheen_table_->set_filter(Filter::linear);
+    }
+    return sheen_table_.get();
 }
 
 namespace {
@@ -177,8 +225,10 @@ SurfaceMaterial surface_material(const ModelMaterial& material, const MaterialOv
 
 SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& material, const MaterialOverride& chosen,
                                       SurfaceTextures& textures) {
-    return surface_material(material, chosen,
-                            [&](int index, bool is_srgb) { return textures.texture(model, index, is_srgb); });
+    SurfaceMaterial result = surface_material(
+        material, chosen, [&](int index, bool is_srgb) { return textures.texture(model, index, is_srgb); });
+    if (result.defines.contains("SHEEN")) result.sheen_table = textures.sheen_table();
+    return result;
 }
 
 std::optional<SurfaceMaterial> surface_material_of_uploaded(const ModelMaterial& material,
@@ -190,6 +240,7 @@ std::optional<SurfaceMaterial> surface_material_of_uploaded(const ModelMaterial&
         all_there = all_there && (index < 0 || texture != nullptr);
         return texture;
     });
+    if (result.defines.contains("SHEEN")) result.sheen_table = textures.made_sheen_table();
     return all_there ? std::optional(std::move(result)) : std::nullopt;
 }
 

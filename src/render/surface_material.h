@@ -21,6 +21,7 @@ struct SurfaceMaterial {
     ShaderDefines defines;  // what surface/surface.frag is to be compiled with for what plain materials do without
     Eigen::Vector3f classic_diffuse = Eigen::Vector3f::Zero();   // Od
     Eigen::Vector3f classic_specular = Eigen::Vector3f::Zero();  // Ks
+    const Texture2D* sheen_table = nullptr;                      // where there is sheen
     bool is_classic = false;  // Od or Ks was chosen; reflection by sphere map is classic all the same
 
     /// Share of white light that it sends back, diffuse and mirrored together, by its factors.
@@ -31,6 +32,9 @@ struct SurfaceMaterial {
     /// Of what plain materials have; the others have theirs from here on, those that are there.
     static constexpr GLuint plain_textures = 5;
     static constexpr GLuint first_layer_unit = 25;
+
+private:
+    void bind_layers(Program& program, GLuint free_unit) const;
 };
 
 /// The textures of a model, each uploaded once for each way it is read (sRGB or linear).
@@ -40,6 +44,9 @@ public:
     const Texture2D* texture(const Model& model, int index, bool is_srgb);
     /// The same of one that was uploaded; null where it was not.
     const Texture2D* uploaded(int index, bool is_srgb) const;
+    /// The albedo of sheen, made when first asked for (render/sheen.h).
+    const Texture2D* sheen_table();
+    const Texture2D* made_sheen_table() const { return sheen_table_.get(); }
 
 private:
     struct Entry {
@@ -48,6 +55,7 @@ private:
         std::unique_ptr<Texture2D> texture;
     };
     std::vector<Entry> entries_;
+    std::unique_ptr<Texture2D> sheen_table_;
 };
 
 /// The material with what the scene sets in place of the model's values and their textures; Od and Ks aside.

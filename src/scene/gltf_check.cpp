@@ -24,8 +24,11 @@ using nlohmann::json;
 constexpr std::size_t deepest_hierarchy = 256;
 
 /// Extensions that a file may require: those of which nothing is lost.
-const std::set<std::string> understood_extensions = {"KHR_mesh_quantization", "KHR_materials_emissive_strength",
-                                                     "KHR_materials_unlit", "KHR_texture_transform"};
+const std::set<std::string> understood_extensions = {"KHR_mesh_quantization",   "KHR_materials_emissive_strength",
+                                                     "KHR_materials_unlit",     "KHR_texture_transform",
+                                                     "KHR_materials_clearcoat", "KHR_materials_sheen",
+                                                     "KHR_materials_specular",  "KHR_materials_ior",
+                                                     "KHR_materials_anisotropy"};
 
 class GltfChecker {
 public:

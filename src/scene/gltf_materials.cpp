@@ -37,6 +37,13 @@ public:
         read_base(source);
         const json extensions = object_of(source, "extensions");
         read_.material.unlit = extensions.contains("KHR_materials_unlit");
+        if (extensions.contains("KHR_materials_clearcoat")) read_coat(object_of(extensions, "KHR_materials_clearcoat"));
+        if (extensions.contains("KHR_materials_sheen")) read_sheen(object_of(extensions, "KHR_materials_sheen"));
+        if (extensions.contains("KHR_materials_specular"))
+            read_specular(object_of(extensions, "KHR_materials_specular"));
+        if (extensions.contains("KHR_materials_anisotropy"))
+            read_anisotropy(object_of(extensions, "KHR_materials_anisotropy"));
+        read_ior(object_of(extensions, "KHR_materials_ior"));
         return std::move(read_);
     }
 
@@ -69,6 +76,48 @@ private:
             if (!source["doubleSided"].is_boolean()) document_.fail(where_ + ".doubleSided is neither true nor false");
             to.double_sided = source["doubleSided"].get<bool>();
         }
+    }
+
+    void read_coat(const json& source) {
+        CoatFactors& coat = read_.material.coat.emplace();
+        coat.strength = unit(number(source, "clearcoatFactor", 0));
+        coat.roughness = unit(number(source, "clearcoatRoughnessFactor", 0));
+        read_texture(source, "clearcoatTexture", MaterialSlot::coat);
+        read_texture(source, "clearcoatRoughnessTexture", MaterialSlot::coat_roughness);
+        const json normal = read_texture(source, "clearcoatNormalTexture", MaterialSlot::coat_normal);
+        coat.normal_scale = static_cast<float>(number(normal, "scale", 1));
+    }
+    void read_sheen(const json& source) {
+        SheenFactors& sheen = read_.material.sheen.emplace();
+        sheen.color = color(source, "sheenColorFactor", 0);
+        for (float& channel : sheen.color) channel = std::min(channel, 1.0F);
+        sheen.roughness = unit(number(source, "sheenRoughnessFactor", 0));
+        read_texture(source, "sheenColorTexture", MaterialSlot::sheen_color);
+        read_texture(source, "sheenRoughnessTexture", MaterialSlot::sheen_roughness);
+    }
+    void read_specular(const json& source) {
+        SpecularFactors& specular = read_.material.specular.emplace();
+        specular.strength = unit(number(source, "specularFactor", 1));
+        specular.color = color(source, "specularColorFactor", 1);
+        read_texture(source, "specularTexture", MaterialSlot::specular);
+        read_texture(source, "specularColorTexture", MaterialSlot::specular_color);
+    }
+    void read_anisotropy(const json& source) {
+        AnisotropyFactors& anisotropy = read_.material.anisotropy.emplace();
+        anisotropy.strength = unit(number(source, "anisotropyStrength", 0));
+        anisotropy.rotation_rad = static_cast<float>(number(source, "anisotropyRotation", 0));
+        read_texture(source, "anisotropyTexture", MaterialSlot::anisotropy);
+    }
+    void read_ior(const json& source) {
+        const double ior = number(source, "ior", 1.5);
+        if (ior != 0 && ior < 1) document_.fail(where_ + ".ior is below 1");
+        read_.material.ior = static_cast<float>(ior);
+    }
+    Rgb color(const json& source, const char* key, float fallback) const {
+        const auto given = numbers(source, key, 3);
+        Rgb color{fallback, fallback, fallback};
+        for (std::size_t c = 0; given && c < 3; ++c) color[c] = static_cast<float>(std::max((*given)[c], 0.0));
+        return color;
     }
 
     json object_of(const json& source, const char* key) const {

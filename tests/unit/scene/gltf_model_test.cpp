@@ -145,6 +145,34 @@ TEST_F(GltfModel, MaterialsArrive) {
     EXPECT_FALSE(load(builder).materials[0].double_sided);
 }
 
+TEST_F(GltfModel, LayersArrive) {
+    GltfBuilder builder = GltfBuilder::triangle();
+    builder.root["materials"] = {
+        {{"extensions",
+          {{"KHR_materials_clearcoat",
+            {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.25}, {"clearcoatNormalTexture", {{"index", 0}}}}},
+           {"KHR_materials_sheen", {{"sheenColorFactor", {0.5, 0.25, 2}}, {"sheenRoughnessFactor", 0.75}}},
+           {"KHR_materials_specular", {{"specularFactor", 0.5}, {"specularColorFactor", {2, 1, 0}}}},
+           {"KHR_materials_ior", {{"ior", 1.25}}},
+           {"KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}, {"anisotropyRotation", 1}}}}}}};
+    add_picture(builder, four_colours());
+    builder.primitive()["material"] = 0;
+    const ModelMaterial material = load(builder).materials[0];
+    ASSERT_TRUE(material.coat && material.sheen && material.specular && material.anisotropy);
+    EXPECT_EQ(material.coat->strength, 0.5f);
+    EXPECT_EQ(material.coat->roughness, 0.25f);
+    EXPECT_EQ(material.texture(MaterialSlot::coat_normal), 0);
+    EXPECT_EQ(material.sheen->color, (Rgb{0.5f, 0.25f, 1}));
+    EXPECT_EQ(material.sheen->roughness, 0.75f);
+    EXPECT_EQ(material.specular->strength, 0.5f);
+    EXPECT_EQ(material.specular->color, (Rgb{2, 1, 0}));
+    EXPECT_EQ(material.ior, 1.25f);
+    EXPECT_EQ(material.anisotropy->strength, 0.5f);
+    EXPECT_EQ(material.anisotropy->rotation_rad, 1);
+    builder.root["materials"][0]["extensions"]["KHR_materials_ior"]["ior"] = 0.5;
+    EXPECT_THAT(error_of(builder), HasSubstr("ior is below 1"));
+}
+
 TEST_F(GltfModel, TexturesArriveTheRightWayUp) {
     GltfBuilder builder = GltfBuilder::triangle();
     add_picture(builder, four_colours());
