@@ -7,12 +7,12 @@
 #include "common/near_light.glsl"
 #include "common/scattering.glsl"
 #include "surface/seen.glsl"
+#if defined(RAYS) || defined(SHEEN)
+#include "common/directions.glsl"
+#endif
 #ifdef RAYS
 #include "common/object_light.glsl"
 #include "surface/lobe.glsl"
-#endif
-#if defined(SHEEN) && !defined(RAYS)
-#include "common/directions.glsl"
 #endif
 #ifdef LENS
 #include "surface/lens_focus.glsl"
@@ -289,8 +289,8 @@ void main() {
         float occlusion = occlusion_at(material_uv);
 #ifdef ANISOTROPY
         Anisotropy stretch = anisotropy_at(material_uv, n, world_tangent, front_facing, roughness);
-        // As much as a round lobe of the same area sends back.
-        vec2 table = split_sum(n_dot_v, sqrt(sqrt(roughness * roughness * stretch.alpha)));
+        // As much as a round lobe of the same mean variance sends back: within 0.02 (tests/gpu/material_layers_test.cpp).
+        vec2 table = split_sum(n_dot_v, sqrt(sqrt(0.5 * (pow(roughness, 4.0) + stretch.alpha * stretch.alpha))));
 #else
         vec2 table = split_sum(n_dot_v, roughness);
 #endif
