@@ -206,7 +206,7 @@ SurfaceRenderer::Programs SurfaceRenderer::light_programs(const Environment& env
     // Meshes without baked visibility see all the light.
     glVertexAttrib4f(5, 1, 1, 1, 1);
     const std::string fragment = "surface/surface.frag";
-    const auto set_up = [this, &environment, &view, &shading](Program& program) {
+    const auto set_up = [&environment, &view, &shading](Program& program) {
         if (view.lens) set_lens(program, *view.lens);
         program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));
         environment.bind(program);
