@@ -21,7 +21,7 @@ uniform bool alpha_blends = false;  // else what is left is opaque
 // Where a texture is read; the base colour's lies as the vertices say (scene/placed_material.cpp).
 #ifdef UV_MAPPINGS
 in vec2 material_uv_second;
-uniform vec3 uv_rows[30];             // two a slot
+uniform vec3 uv_rows[26];             // two a slot
 uniform int slots_of_second_uv = 0;   // by the same bits
 vec2 uv_of(int bit, vec2 uv) {
     int slot = findLSB(bit);
@@ -55,21 +55,20 @@ float occlusion_at(vec2 uv) {
     return 1.0 + occlusion_strength * (texture(occlusion_texture, uv_of(has_occlusion, uv)).r - 1.0);
 }
 
-// A normal of tangent space, on the side the eye sees. `tangent` is zero where the model has none.
-vec3 mapped_normal(vec3 normal, vec4 tangent, vec3 mapped, bool front_facing) {
+// The normal that a map gives, or the surface's where the material has none, on the side the eye sees. `tangent` is zero
+// where the model has none.
+vec3 normal_by(int bit, sampler2D map, float scale, vec3 normal, vec4 tangent, vec2 uv, bool front_facing) {
     vec3 n = normalize(normal);
-    if (dot(tangent.xyz, tangent.xyz) > 0.0) {
+    if ((material_textures & bit) != 0 && dot(tangent.xyz, tangent.xyz) > 0.0) {
         vec3 t = normalize(tangent.xyz - dot(tangent.xyz, n) * n);
         vec3 b = cross(n, t) * tangent.w;
+        vec3 mapped = texture(map, uv_of(bit, uv)).xyz * 2.0 - 1.0;
+        mapped.xy *= scale;
         n = normalize(mat3(t, b, n) * mapped);
     }
     return front_facing ? n : -n;
 }
 
-// The shading normal.
 vec3 shading_normal(vec3 normal, vec4 tangent, vec2 uv, bool front_facing) {
-    if ((material_textures & has_normal) == 0) return front_facing ? normalize(normal) : -normalize(normal);
-    vec3 mapped = texture(normal_texture, uv_of(has_normal, uv)).xyz * 2.0 - 1.0;
-    mapped.xy *= normal_scale;
-    return mapped_normal(normal, tangent, mapped, front_facing);
+    return normal_by(has_normal, normal_texture, normal_scale, normal, tangent, uv, front_facing);
 }

@@ -22,10 +22,7 @@ float coat_roughness_at(vec2 uv) {
 }
 // The coat lies over the base's normal map, and may have one of its own.
 vec3 coat_normal(vec3 normal, vec4 tangent, vec2 uv, bool front_facing) {
-    if ((material_textures & has_coat_normal) == 0) return front_facing ? normalize(normal) : -normalize(normal);
-    vec3 mapped = texture(coat_normal_texture, uv_of(has_coat_normal, uv)).xyz * 2.0 - 1.0;
-    mapped.xy *= coat_normal_scale;
-    return mapped_normal(normal, tangent, mapped, front_facing);
+    return normal_by(has_coat_normal, coat_normal_texture, coat_normal_scale, normal, tangent, uv, front_facing);
 }
 #endif
 

@@ -7,12 +7,14 @@ struct Scattering {
 
 // Fdez-Agüera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting": what the split sum
 // misses comes back as if diffuse, so that a white surface in white light sends back all of it.
-Scattering scattering(vec3 f0, vec2 table) {
-    vec3 single = f0 * table.x + table.y;
+// Of what reflects `f0` head on and `f90` edge on.
+Scattering scattering(vec3 f0, float f90, vec2 table) {
+    vec3 single = f0 * table.x + f90 * table.y;
     float missing = 1.0 - (table.x + table.y);
-    vec3 mean_fresnel = f0 + (1.0 - f0) / 21.0;
+    vec3 mean_fresnel = f0 + (f90 - f0) / 21.0;
     return Scattering(single, missing * single * mean_fresnel / (1.0 - mean_fresnel * missing));
 }
+Scattering scattering(vec3 f0, vec2 table) { return scattering(f0, 1.0, table); }
 
 // glTF 2.0, appendix B.
 const vec3 dielectric_f0 = vec3(0.04);
@@ -31,13 +33,7 @@ MaterialScattering material_scattering(vec3 base, float metallic, vec2 table) {
 }
 
 #ifdef SPECULAR
-// The same of a dielectric that reflects `f0` head on and `f90` edge on.
-Scattering scattering(vec3 f0, float f90, vec2 table) {
-    vec3 single = f0 * table.x + f90 * table.y;
-    float missing = 1.0 - (table.x + table.y);
-    vec3 mean_fresnel = f0 + (f90 - f0) / 21.0;
-    return Scattering(single, missing * single * mean_fresnel / (1.0 - mean_fresnel * missing));
-}
+// The same, of a dielectric that reflects `specular` head on, and its a edge on.
 MaterialScattering material_scattering(vec3 base, float metallic, vec2 table, vec4 specular) {
     Scattering dielectric = scattering(specular.rgb, specular.a, table);
     Scattering metal = scattering(base, table);

@@ -30,6 +30,16 @@ float unit(float value) {
     return std::clamp(value, 0.0f, 1.0f);
 }
 
+/// Of the names that the checks gave: "texture-3".
+std::optional<std::size_t> number_behind(std::string_view prefix, const aiString& name) {
+    const std::string_view text = name.C_Str();
+    std::size_t number = 0;
+    if (!text.starts_with(prefix) ||
+        std::from_chars(text.data() + prefix.size(), text.data() + text.size(), number).ec != std::errc())
+        return std::nullopt;
+    return number;
+}
+
 /// The textures of a classic material, each in its slot.
 void take_texture(const aiMaterial& from, aiTextureType type, MaterialSlot slot, TextureTable& textures,
                   ModelMaterial& to) {
@@ -38,19 +48,15 @@ void take_texture(const aiMaterial& from, aiTextureType type, MaterialSlot slot,
     if (from.GetTextureCount(type) == 0 ||
         from.GetTexture(type, 0, &name, nullptr, nullptr, nullptr, nullptr, modes) != aiReturn_SUCCESS)
         return;
-    constexpr std::string_view prefix = "texture-";
-    const std::string_view called = name.C_Str();
-    std::size_t number = 0;
-    if (!called.starts_with(prefix) ||
-        std::from_chars(called.data() + prefix.size(), called.data() + called.size(), number).ec != std::errc())
-        return;
+    const auto number = number_behind("texture-", name);
+    if (!number) return;
     const auto wrap = [](aiTextureMapMode mode) {
         return mode == aiTextureMapMode_Clamp ? TextureWrap::clamp : TextureWrap::repeat;
     };
     TextureSampling sampling;
     sampling.wrap_u = wrap(modes[0]);
     sampling.wrap_v = wrap(modes[1]);
-    to.texture(slot) = textures.index_of(number, sampling);
+    to.texture(slot) = textures.index_of(*number, sampling);
 }
 
 /// The classic .mtl model in glTF's terms; colours are taken as scene-linear, as Blender writes them.
@@ -91,20 +97,17 @@ void translate_mtl(const aiMaterial& from, TextureTable& textures, ModelMaterial
 
 ImportedMaterial translated_material(const aiMaterial& material, const CheckedModel& checked, TextureTable& textures,
                                      Warnings& warnings) {
-    constexpr std::string_view prefix = "material-";
-    aiString named;
-    material.Get(AI_MATKEY_NAME, named);
-    const std::string name = named.C_Str();
+    aiString name;
+    material.Get(AI_MATKEY_NAME, name);
     ImportedMaterial translated;
     if (checked.entry.ends_with(".gltf")) {
-        std::size_t number = checked.materials.size();
-        if (name.starts_with(prefix)) std::from_chars(name.data() + prefix.size(), name.data() + name.size(), number);
-        if (number < checked.materials.size())
-            return placed_material(checked.materials[number], checked, textures, warnings);
+        const auto number = number_behind("material-", name);
+        if (number && *number < checked.materials.size())
+            return placed_material(checked.materials[*number], checked, textures, warnings);
         translated.material.metallic = translated.material.roughness = 1;  // of what has none: glTF's default
         return translated;
     }
-    translated.material.name = name;
+    translated.material.name = name.C_Str();
     if (checked.entry.ends_with(".obj")) {
         translate_mtl(material, textures, translated.material);
     } else {
