@@ -2,7 +2,6 @@
 #include "compositor/level_table.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/user_folder.h"
 
 namespace matchlight {
 
@@ -112,15 +112,8 @@ LevelChoice choose_levels(const LevelTable& table, std::span<const EffectLoad> l
 }
 
 std::optional<fs::path> level_table_path() {
-    const auto folder = [](const char* variable) -> std::optional<fs::path> {
-        const char* value = std::getenv(variable);
-        // The XDG Base Directory Specification ignores relative paths.
-        if (value == nullptr || !fs::path(value).is_absolute()) return std::nullopt;
-        return fs::path(value);
-    };
-    if (const auto cache = folder("XDG_CACHE_HOME")) return *cache / "matchlight" / "levels.json";
-    if (const auto home = folder("HOME")) return *home / ".cache" / "matchlight" / "levels.json";
-    return std::nullopt;
+    const auto caches = user_folder("XDG_CACHE_HOME", ".cache");
+    return caches ? std::optional(*caches / "matchlight" / "levels.json") : std::nullopt;
 }
 
 std::optional<LevelTable> load_level_table(const fs::path& path, const std::string& renderer,

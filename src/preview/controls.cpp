@@ -26,14 +26,6 @@ std::string labelled(const char* text, const std::string& name) {
     return fmt::format("{}##{}", text, name);
 }
 
-std::optional<double> number_of(const std::string& text) {
-    double value = 0;
-    const char* const end = text.data() + text.size();
-    const auto read = std::from_chars(text.data(), end, value);
-    if (read.ec != std::errc() || read.ptr != end || !std::isfinite(value)) return std::nullopt;
-    return value;
-}
-
 [[noreturn]] void refuse(const std::string& name, const std::string& value, const std::string& wanted) {
     throw InputError({}, fmt::format("'{}' cannot be set to '{}': {}", name, value, wanted));
 }
@@ -44,6 +36,14 @@ std::optional<bool> switch_word(std::string_view word) {
     if (word == "on" || word == "yes" || word == "true") return true;
     if (word == "off" || word == "no" || word == "false") return false;
     return std::nullopt;
+}
+
+std::optional<double> number_word(std::string_view text) {
+    double value = 0;
+    const char* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, value);
+    if (read.ec != std::errc() || read.ptr != end || !std::isfinite(value)) return std::nullopt;
+    return value;
 }
 
 void Controls::begin_frame() {
@@ -135,7 +135,7 @@ bool Controls::number(const std::string& name, const char* text, double& value, 
                                        &range.highest, range.format, flags);
     note(name, "", tooltip);
     if (const auto given = set_for(name)) {
-        const std::optional<double> wanted = number_of(*given);
+        const std::optional<double> wanted = number_word(*given);
         if (!wanted || *wanted < range.lowest || *wanted > range.highest) {
             refuse(name, *given, fmt::format("a number from {} to {}", range.lowest, range.highest));
         }

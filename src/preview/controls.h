@@ -70,5 +70,7 @@ private:
 
 /// "on", "yes" and "true", or "off", "no" and "false"; nullopt for anything else.
 std::optional<bool> switch_word(std::string_view word);
+/// The whole of it as a finite number.
+std::optional<double> number_word(std::string_view word);
 
 }  // namespace matchlight

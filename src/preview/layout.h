@@ -7,6 +7,9 @@
 
 namespace matchlight {
 
+/// How far the panel's border can be dragged, in an ordinary screen's pixels.
+inline constexpr float narrowest_panel = 300, widest_panel = 900;
+
 struct LayoutSettings {
     float scale = 1;          // of the screen
     float panel_width = 380;  // in an ordinary screen's pixels: as wide as the user made it

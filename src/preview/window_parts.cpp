@@ -159,9 +159,8 @@ void lay_out_splitter(const Layout& layout, WindowState& state) {
     ImGui::InvisibleButton("grip", {static_cast<float>(grip.width), static_cast<float>(grip.height)});
     if (ImGui::IsItemHovered() || ImGui::IsItemActive()) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
     if (ImGui::IsItemActive()) {
-        constexpr float narrowest = 300, widest = 900;
-        state.layout.panel_width =
-            std::clamp(state.layout.panel_width - ImGui::GetIO().MouseDelta.x / state.layout.scale, narrowest, widest);
+        const float dragged = state.layout.panel_width - ImGui::GetIO().MouseDelta.x / state.layout.scale;
+        state.layout.panel_width = std::clamp(dragged, narrowest_panel, widest_panel);
     }
     ImGui::End();
 }

@@ -2,33 +2,26 @@
 #include "preview/window_settings.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include <nlohmann/json.hpp>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/user_folder.h"
+#include "preview/layout.h"
 
 namespace matchlight {
 
 namespace {
 
 constexpr int smallest_px = 320, largest_px = 16384;
-constexpr float narrowest_panel = 300, widest_panel = 900;
 constexpr std::size_t limit_bytes = 65536;  // of a file of three numbers
 
 }  // namespace
 
 std::filesystem::path window_settings_file() {
-    std::filesystem::path folder;
-    if (const char* config = std::getenv("XDG_CONFIG_HOME"); config != nullptr && *config != '\0') {
-        folder = config;
-    } else if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
-        folder = std::filesystem::path(home) / ".config";
-    } else {
-        return {};
-    }
-    return folder / "matchlight" / "window.json";
+    const auto settings = user_folder("XDG_CONFIG_HOME", ".config");
+    return settings ? *settings / "matchlight" / "window.json" : std::filesystem::path();
 }
 
 WindowSettings load_window_settings() {
