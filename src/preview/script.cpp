@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -12,6 +11,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "preview/controls.h"
 #include "preview/keys.h"
 
 namespace matchlight {
@@ -25,7 +25,7 @@ struct Verb {
     std::string_view what;
 };
 
-constexpr std::array<Verb, 15> verbs{{
+constexpr std::array<Verb, 14> verbs{{
     {"wait_idle", 0, 0, 0, "until nothing is left to be drawn"},
     {"key", 1, 1, 0, "NAME: press a key, such as b or ctrl+z"},
     {"click", 1, 3, 2, "X Y [right] or CONTROL: press and let go there"},
@@ -35,7 +35,6 @@ constexpr std::array<Verb, 15> verbs{{
     {"set", 2, 2, 0, "CONTROL VALUE: change a control by its name, such as effects.bloom auto"},
     {"show", 1, 1, 0, "PANEL: open one of the panels"},
     {"type", 1, 1, 0, "TEXT: into the field that takes it"},
-    {"drop", 1, 1, 0, "FILE: onto the window"},
     {"frame", 1, 1, 1, "NUMBER: go there"},
     {"screenshot", 1, 1, 0, "OUT.png: of the whole window"},
     {"controls", 0, 0, 0, "print each control with its place"},
@@ -64,12 +63,9 @@ std::vector<std::string> words_of(const std::string& line) {
 }
 
 std::optional<double> number_of(const std::string& word) {
-    double value = 0;
-    const char* const end = word.data() + word.size();
-    const auto read = std::from_chars(word.data(), end, value);
-    if (read.ec != std::errc() || read.ptr != end || !std::isfinite(value) || std::abs(value) > 1e6)
-        return std::nullopt;
-    return value;
+    constexpr double largest = 1e6;  // of places in a window and of frames
+    const std::optional<double> value = number_word(word);
+    return value && std::abs(*value) <= largest ? value : std::nullopt;
 }
 
 ScriptStep step_of(std::vector<std::string> words) {

@@ -105,8 +105,6 @@ void ScriptPlayer::begin(const ScriptStep& step, Controls& controls) {
         ticks_ = {{}, {}};
     } else if (verb == "type") {
         ticks_ = {{{.kind = Kind::text, .text = step.words[0]}}, {}};
-    } else if (verb == "drop") {
-        ticks_ = {{{.kind = Kind::drop, .text = step.words[0]}}, {}};
     } else if (verb == "frame") {
         stage_.go_to(std::llround(step.numbers[0]));
     } else if (verb == "screenshot") {

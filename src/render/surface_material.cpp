@@ -28,7 +28,7 @@ void SurfaceMaterial::bind(Program& program) const {
         "occlusion_texture",       "emissive_texture",           "coat_texture",
         "coat_roughness_texture",  "coat_normal_texture",        "sheen_color_texture",
         "sheen_roughness_texture", "specular_texture",           "specular_color_texture",
-        "anisotropy_texture",      "transmission_texture",       "thickness_texture"};
+        "anisotropy_texture"};
     int present = 0;
     GLuint layer_unit = first_layer_unit;
     for (std::size_t i = 0; i < textures.size(); ++i) {

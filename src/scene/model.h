@@ -50,11 +50,9 @@ enum class MaterialSlot {
     sheen_roughness,
     specular,
     specular_color,
-    anisotropy,
-    transmission,
-    thickness
+    anisotropy
 };
-inline constexpr std::size_t material_slots = 15;
+inline constexpr std::size_t material_slots = 13;
 /// Colours are sRGB-coded, all else is linear.
 bool is_color(MaterialSlot slot);
 
@@ -76,7 +74,7 @@ struct TextureUse {
 
 using Rgb = std::array<float, 3>;
 
-// Layers of glTF's extensions KHR_materials_clearcoat, _sheen, _specular, _anisotropy and _transmission with _volume.
+// Layers of glTF's extensions KHR_materials_clearcoat, _sheen, _specular and _anisotropy.
 struct CoatFactors {
     float strength = 0, roughness = 0, normal_scale = 1;
 };
@@ -90,12 +88,6 @@ struct SpecularFactors {
 };
 struct AnisotropyFactors {
     float strength = 0, rotation_rad = 0;
-};
-struct TransmissionFactors {
-    float share = 0;
-    float thickness_m = 0;  // 0: a thin wall
-    Rgb attenuation_color{1, 1, 1};
-    std::optional<float> attenuation_distance_m;  // absent: nothing is absorbed
 };
 
 /// glTF 2.0 metallic-roughness and its layers. Factors are scene-linear.
@@ -114,7 +106,6 @@ struct ModelMaterial {
     std::optional<SheenFactors> sheen;
     std::optional<SpecularFactors> specular;
     std::optional<AnisotropyFactors> anisotropy;
-    std::optional<TransmissionFactors> transmission;
     std::array<TextureUse, material_slots> textures;
 
     TextureUse& use(MaterialSlot slot) { return textures[static_cast<std::size_t>(slot)]; }

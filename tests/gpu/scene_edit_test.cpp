@@ -159,7 +159,7 @@ TEST_F(EditedScene, NeedsAnotherPictureOfASurfaceThatMoved) {
     EXPECT_TRUE(compositor.set_scene(edited));
     edited.surface.z_m = 0.01;
     EXPECT_TRUE(compositor.set_dragging(true));
-    EXPECT_TRUE(compositor.set_scene(edited)) << "for now";
+    EXPECT_TRUE(compositor.set_scene(edited)) << "while it is dragged";
     EXPECT_FALSE(compositor.set_dragging(false));
     EXPECT_FALSE(compositor.set_scene(edited));
 }
