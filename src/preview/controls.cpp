@@ -30,6 +30,24 @@ std::string labelled(const char* text, const std::string& name) {
     throw InputError({}, fmt::format("'{}' cannot be set to '{}': {}", name, value, wanted));
 }
 
+template <class Number>
+void read_three(const std::string& name, const std::string& text, Number (&three)[3]) {
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    for (Number& number : three) {
+        while (at != end && (*at == ' ' || *at == ',')) ++at;
+        const auto read = std::from_chars(at, end, number);
+        if (read.ec != std::errc()) refuse(name, text, "three numbers");
+        at = read.ptr;
+    }
+}
+
+/// A hundred pixels change a value by about itself.
+float drag_speed(double value, const NumberControl& range) {
+    constexpr double share = 0.01, least = 0.001;
+    return static_cast<float>(std::max(range.whole ? 0.1 : least, share * std::abs(value)));
+}
+
 }  // namespace
 
 std::optional<bool> switch_word(std::string_view word) {
@@ -121,6 +139,15 @@ bool Controls::toggle(const std::string& name, const char* text, bool& on, const
     return switched(name, on) || changed;
 }
 
+bool Controls::row(const std::string& name, const char* text, bool chosen) {
+    // It would reach half the spacing into its neighbours.
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
+    const bool pressed = ImGui::Selectable(labelled(text, name).c_str(), chosen);
+    ImGui::PopStyleVar();
+    note(name, text, nullptr);
+    return set_for(name).has_value() || pressed;
+}
+
 bool Controls::checkbox(const std::string& name, const char* text, bool& on, const char* tooltip) {
     const bool changed = ImGui::Checkbox(labelled(text, name).c_str(), &on);
     note(name, text, tooltip);
@@ -129,10 +156,18 @@ bool Controls::checkbox(const std::string& name, const char* text, bool& on, con
 
 bool Controls::number(const std::string& name, const char* text, double& value, const NumberControl& range,
                       const char* tooltip) {
+    const std::string label = labelled(text, name);
+    const char* format = range.whole ? "%.0f" : "%.4g";
     const ImGuiSliderFlags flags =
         ImGuiSliderFlags_AlwaysClamp | (range.logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
-    bool changed = ImGui::SliderScalar(labelled(text, name).c_str(), ImGuiDataType_Double, &value, &range.lowest,
-                                       &range.highest, range.format, flags);
+    bool changed = false;
+    if (range.slides) {
+        changed = ImGui::SliderScalar(label.c_str(), ImGuiDataType_Double, &value, &range.lowest, &range.highest,
+                                      format, flags);
+    } else {
+        changed = ImGui::DragScalar(label.c_str(), ImGuiDataType_Double, &value, drag_speed(value, range),
+                                    &range.lowest, &range.highest, format, flags);
+    }
     note(name, "", tooltip);
     if (const auto given = set_for(name)) {
         const std::optional<double> wanted = number_word(*given);
@@ -141,6 +176,21 @@ bool Controls::number(const std::string& name, const char* text, double& value, 
         }
         changed = true;
         value = *wanted;
+    }
+    if (range.whole) value = std::round(value);
+    return changed;
+}
+
+bool Controls::vector(const std::string& name, const char* text, double (&xyz)[3], const NumberControl& range,
+                      const char* tooltip) {
+    const double largest = std::max({std::abs(xyz[0]), std::abs(xyz[1]), std::abs(xyz[2])});
+    bool changed =
+        ImGui::DragScalarN(labelled(text, name).c_str(), ImGuiDataType_Double, xyz, 3, drag_speed(largest, range),
+                           &range.lowest, &range.highest, "%.4g", ImGuiSliderFlags_AlwaysClamp);
+    note(name, "", tooltip);
+    if (const auto given = set_for(name)) {
+        read_three(name, *given, xyz);
+        changed = true;
     }
     return changed;
 }
@@ -174,16 +224,7 @@ bool Controls::color(const std::string& name, const char* text, float (&rgb)[3],
     bool changed = ImGui::ColorEdit3(labelled(text, name).c_str(), rgb, ImGuiColorEditFlags_Float);
     note(name, "", tooltip);
     if (const auto given = set_for(name)) {
-        float set[3] = {};
-        const char* at = given->data();
-        const char* const end = at + given->size();
-        for (float& channel : set) {
-            while (at != end && (*at == ' ' || *at == ',')) ++at;
-            const auto read = std::from_chars(at, end, channel);
-            if (read.ec != std::errc()) refuse(name, *given, "three numbers");
-            at = read.ptr;
-        }
-        std::ranges::copy(set, rgb);
+        read_three(name, *given, rgb);
         changed = true;
     }
     return changed;

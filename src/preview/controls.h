@@ -22,7 +22,8 @@ struct LaidOutControl {
 struct NumberControl {
     double lowest = 0, highest = 1;
     bool logarithmic = false;
-    const char* format = "%.3g";
+    bool whole = false;  // numbers only
+    bool slides = true;  // from end to end; false: by as much as it is dragged
 };
 
 /// Each call lays out a control and returns whether it was changed: by hand, or by what a script set under its name.
@@ -34,10 +35,15 @@ public:
     bool button(const std::string& name, const char* text, const char* tooltip = nullptr);
     /// A button that stays down.
     bool toggle(const std::string& name, const char* text, bool& on, const char* tooltip = nullptr);
+    /// Of a list, as wide as it is.
+    bool row(const std::string& name, const char* text, bool chosen);
     bool checkbox(const std::string& name, const char* text, bool& on, const char* tooltip = nullptr);
     bool number(const std::string& name, const char* text, double& value, const NumberControl& range,
                 const char* tooltip = nullptr);
     bool choice(const std::string& name, const char* text, std::size_t& index, std::span<const std::string_view> words,
+                const char* tooltip = nullptr);
+    /// Three numbers, dragged each.
+    bool vector(const std::string& name, const char* text, double (&xyz)[3], const NumberControl& range,
                 const char* tooltip = nullptr);
     bool color(const std::string& name, const char* text, float (&rgb)[3], const char* tooltip = nullptr);
     bool text(const std::string& name, const char* label, std::string& value, const char* tooltip = nullptr);

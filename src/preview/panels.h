@@ -13,6 +13,9 @@ struct Panel {
     void (*lay_out)(Session& session, Controls& controls);
 };
 
+void lay_out_objects_panel(Session& session, Controls& controls);
+void lay_out_light_panel(Session& session, Controls& controls);
+void lay_out_lens_panel(Session& session, Controls& controls);
 void lay_out_effects_panel(Session& session, Controls& controls);
 void lay_out_passes_panel(Session& session, Controls& controls);
 

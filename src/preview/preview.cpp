@@ -126,6 +126,15 @@ void Preview::press(PreviewAction action) {
         case PreviewAction::reload:
             session_.reload();
             break;
+        case PreviewAction::undo:
+            session_.undo();
+            break;
+        case PreviewAction::redo:
+            session_.redo();
+            break;
+        case PreviewAction::save:
+            session_.save();
+            break;
         case PreviewAction::help:
             state_.help = !state_.help;
             session_.print(preview_keys_text());
@@ -151,24 +160,26 @@ void Preview::press_pending() {
 }
 
 void Preview::press_switch(PreviewAction action) {
-    ShotSwitches switches = session_.switches();
-    const auto toggle = [&](bool& on) { on = !on; };
-    if (action == PreviewAction::bloom)
-        toggle(switches.bloom);
-    else if (action == PreviewAction::glare)
-        toggle(switches.glare);
-    else if (action == PreviewAction::dazzle)
-        toggle(switches.dazzle);
-    else if (action == PreviewAction::exposure)
-        toggle(switches.exposure);
-    else if (action == PreviewAction::shadow)
-        toggle(switches.shadow);
-    else if (action == PreviewAction::level) {
-        switches.level = next_level(switches.level);
-        switches.budget = false;
-    } else
-        return;
-    session_.set_switches(switches);
+    if (session_.facts() == nullptr) return;
+    const Scene& scene = session_.scene();
+    const std::string off = "off", automatic = "auto";
+    if (action == PreviewAction::bloom) session_.toggle("effects.bloom", off, automatic);
+    if (action == PreviewAction::glare) session_.toggle("effects.glare", off, automatic);
+    if (action == PreviewAction::dazzle) {
+        // Without dazzle objects send all that they have to what spills: off is a strength of none.
+        if (!scene.effects.dazzle) {
+            session_.set("effects.dazzle.strength", 0.0);
+        } else {
+            session_.toggle("effects.dazzle.strength", 0.0, 1.0);
+        }
+    }
+    if (action == PreviewAction::exposure) {
+        // Matched exposure is what holds without exposure control: the switch is between that and the simulated one.
+        const bool is_on = scene.effects.exposure && scene.effects.exposure->mode == ExposureMode::simulated;
+        session_.set("effects.exposure.mode", std::string(is_on ? "matched" : "simulated"));
+    }
+    if (action == PreviewAction::shadow) session_.set("surface.shadow", !scene.surface.shadow);
+    if (action == PreviewAction::level) session_.set_level({.level = next_level(session_.level().level)});
 }
 
 void Preview::press_view(PreviewAction action) {
@@ -257,6 +268,7 @@ void Preview::lay_out() {
         throw InputError(options_.script, error.what());
     }
     update_wishes();
+    if (!controls_.is_held() && !canvas_.hand_is_free()) session_.end_drag();
 }
 
 void Preview::draw() {
@@ -277,20 +289,20 @@ double Preview::idle_s() const {
 
 std::string Preview::title() const {
     if (!session_.picture()) return fmt::format("{}: loading", printable(options_.scene.filename().string()));
-    const ShotSwitches& switches = session_.switches();
+    const EffectSettings& effects = session_.scene().effects;
     std::string on;
     const auto add = [&](bool is_on, const char* name) {
         if (is_on) on += (on.empty() ? "" : ", ") + std::string(name);
     };
-    add(switches.bloom, "bloom");
-    add(switches.glare, "glare");
-    add(switches.dazzle && (switches.bloom || switches.glare), "dazzle");
-    add(switches.exposure, "exposure");
-    add(switches.shadow, "shadow");
+    add(effects.bloom.has_value(), "bloom");
+    add(effects.glare.has_value(), "glare");
+    add(effects.depth_of_field.has_value(), "depth of field");
+    add(effects.exposure && effects.exposure->mode == ExposureMode::simulated, "exposure");
+    add(session_.scene().surface.shadow, "shadow");
     const ShotPicture& picture = *session_.picture();
     std::string text = fmt::format("{}: frame {} of {}, {:.3f} s | {} | {} | {:.0f} ms",
                                    printable(options_.scene.filename().string()), picture.frame, session_.frame_count(),
-                                   picture.time_s, switches.budget ? "budget" : name_of(switches.level),
+                                   picture.time_s, session_.level().budget ? "budget" : name_of(session_.level().level),
                                    canvas_.shown == ShownKind::plate ? "plate alone"
                                    : on.empty()                      ? "no effects"
                                                                      : on,
@@ -362,7 +374,7 @@ void Preview::save_snapshot() {
     view_.begin(drawn_px_.x(), drawn_px_.y());
     canvas_.draw(view_, {0, 0, drawn_px_.x(), drawn_px_.y()});
     write_png8(options_.snapshot, view_.shown(),
-               {{"Software", fmt::format("matchlight {}\n{}", version, session_.facts()->scene.effective_toml)}});
+               {{"Software", fmt::format("matchlight {}\n{}", version, session_.scene().effective_toml)}});
 }
 
 PreviewResult Preview::result() const {

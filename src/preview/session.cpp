@@ -1,4 +1,4 @@
-// Wishes are kept apart from what is shown: the thread is asked for the newest of them.
+// Wishes are kept apart from what is shown: a thread is asked for the newest of them when it is free.
 #include "preview/session.h"
 
 #include <algorithm>
@@ -12,44 +12,75 @@
 
 namespace matchlight {
 
-using Clock = PlaybackClock::Clock;
+namespace {
+
+/// A hand that stands still for so long has come to rest.
+constexpr double rest_s = 0.3;
+
+double seconds_since(PlaybackClock::Clock::time_point start) {
+    return std::chrono::duration<double>(PlaybackClock::Clock::now() - start).count();
+}
+
+}  // namespace
 
 Session::Session(SessionOptions options, Warnings& warnings)
-    : options_(std::move(options)),
-      frame_(options_.frame),
-      thread_(options_.scene, options_.quiet, warnings, options_.wake) {}
+    : options_(std::move(options)), warnings_(warnings), frame_(options_.frame) {
+    quick_.thread = std::make_unique<ShotThread>(options_.scene, options_.quiet, warnings, options_.wake);
+}
+
+void Session::touch() {
+    ++wish_;
+    touched_ = Clock::now();
+}
 
 void Session::set_trouble(const std::string& trouble) {
     trouble_ = trouble;
     changed_ = true;
-    if (!trouble.empty()) options_.print("error: " + trouble);
+    options_.print("error: " + trouble);
 }
 
-void Session::take(ShotNews news) {
-    if (news.facts) take_facts(std::move(news.facts));
-    if (news.picture) take_picture(std::move(*news.picture));
-    if (news.shaders) take_shaders(*news.shaders);
-    if (!news.failure) return;
-    asked_ = false;
-    playing_ = false;
-    const bool shows = picture_ && (picture_->composite.width() > 0 || picture_->plate.width() > 0);
-    if (!shows || options_.strict) std::rethrow_exception(news.failure);
+void Session::attempt(const std::function<void()>& action) {
     try {
-        std::rethrow_exception(news.failure);
+        action();
     } catch (const InputError& error) {
+        if (options_.strict) throw;
         set_trouble(error.what());
     }
 }
 
+bool Session::wants_exact() const {
+    return !options_.strict && !playing_ && !dragging_ && (level_.budget || level_.level > QualityLevel::preview);
+}
+
+void Session::take(Drawer& drawer, bool exact) {
+    if (!drawer.thread) return;
+    ShotNews news = drawer.thread->take();
+    if (news.facts && !exact) take_facts(std::move(news.facts));
+    if (news.shaders && !exact) take_shaders(*news.shaders);
+    if (news.picture) {
+        drawer.asked = false;
+        // What is exact of something else by now is of no use.
+        if (!exact || drawer.wish == wish_) take_picture(std::move(*news.picture));
+    }
+    if (!news.failure) return;
+    drawer.asked = false;
+    playing_ = false;
+    const bool shows = picture_ && (picture_->composite.width() > 0 || picture_->plate.width() > 0);
+    if (!shows || options_.strict) std::rethrow_exception(news.failure);
+    attempt([&] { std::rethrow_exception(news.failure); });
+}
+
 void Session::take_facts(std::shared_ptr<const ShotFacts> facts) {
     const bool first = !facts_;
-    const QualityLevel level = first ? options_.level.value_or(facts->switches.level) : switches_.level;
     facts_ = std::move(facts);
-    switches_ = facts_->switches;
-    if (options_.level) {
-        switches_.level = level;
-        switches_.budget = false;
+    if (first) {
+        level_ = facts_->level;
+        if (options_.level) level_ = {.level = *options_.level, .budget = false};
+        history_ = std::make_unique<SceneHistory>(SceneText::load(options_.scene));
+    } else {
+        history_->read_again();
     }
+    take_text(history_->text());
     shader_trouble_.clear();
     trouble_.clear();
     const std::int64_t count = facts_->footage.frame_count;
@@ -57,14 +88,13 @@ void Session::take_facts(std::shared_ptr<const ShotFacts> facts) {
         throw InputError(facts_->footage.path, fmt::format("has no frame {}", options_.frame),
                          fmt::format("it has {}, counted from 0", count));
     }
-    stale_ = true;
+    touch();
     changed_ = true;
 }
 
 void Session::take_picture(ShotPicture picture) {
-    asked_ = false;
     // Where frames cannot be decoded, the next one is shown.
-    if (!stale_) frame_ = picture.frame;
+    if (quick_.wish == wish_) frame_ = picture.frame;
     if (playing_) {
         frame_ = picture.frame;
         if (!picture.next_time_s) playing_ = false;
@@ -76,12 +106,11 @@ void Session::take_picture(ShotPicture picture) {
     if (picture.passes.empty() && picture_) picture.passes = std::move(picture_->passes);
     if (picture.composite.width() == 0 && picture_) picture.composite = std::move(picture_->composite);
     picture_ = std::move(picture);
-    trouble_.clear();
     changed_ = true;
 }
 
 void Session::take_shaders(const ShaderReload& shaders) {
-    stale_ = true;
+    touch();
     changed_ = true;
     shader_trouble_ = shaders.errors.empty() ? "" : shaders.errors.front();
     for (const std::string& program : shaders.reloaded) options_.print("new: " + program);
@@ -89,27 +118,41 @@ void Session::take_shaders(const ShaderReload& shaders) {
 }
 
 void Session::update() {
-    take(thread_.take());
-    if (playing_ && picture_ && !asked_ && !stale_ && next_due_s() <= 0.0) stale_ = true;
+    take(quick_, false);
+    take(exact_, true);
+    if (!facts_) return;
+    if (playing_ && picture_ && !quick_.asked && quick_.wish == wish_ && next_due_s() <= 0.0) touch();
+    const ShotLevel quick_level{.level = std::min(level_.level, QualityLevel::preview), .budget = false};
     // One picture at a time: so what is shown while a slider moves is as new as it can be.
-    if (stale_ && facts_ && !asked_) ask();
+    if (!quick_.asked && quick_.wish != wish_) ask(quick_, options_.strict ? level_ : quick_level);
+    if (!wants_exact() || quick_.asked || quick_.wish != wish_ || exact_.asked || exact_.wish == wish_) return;
+    if (seconds_since(touched_) < rest_s) return;
+    if (!exact_.thread) {
+        exact_.thread = std::make_unique<ShotThread>(options_.scene, options_.quiet, warnings_, options_.wake);
+    }
+    ask(exact_, level_);
 }
 
-void Session::ask() {
+void Session::ask(Drawer& drawer, const ShotLevel& level) {
     PictureRequest request{.frame = frame_,
                            .backwards = backwards_,
                            .due_s = {},
-                           .switches = switches_,
+                           .level = level,
+                           .scene = scene_,
+                           .dragging = dragging_,
                            .composite = wanted_.composite,
                            .plate = wanted_.plate,
                            .difference = wanted_.difference,
                            .passes = passes_};
     if (wanted_.truth || wanted_.difference) request.truth = options_.truth;
     if (playing_) request.due_s = clock_.time_s(Clock::now());
-    thread_.ask(request);
-    passes_ = false;
-    stale_ = false;
-    asked_ = true;
+    // What is measured is what is shown in the end.
+    const bool last = &drawer == &exact_ || !wants_exact();
+    request.passes = passes_ && last;
+    if (last) passes_ = false;
+    drawer.thread->ask(request);
+    drawer.wish = wish_;
+    drawer.asked = true;
 }
 
 void Session::settle() {
@@ -122,18 +165,25 @@ void Session::settle() {
 }
 
 bool Session::idle() const {
-    return !stale_ && !asked_ && thread_.idle();
+    if (quick_.asked || quick_.wish != wish_ || !quick_.thread->idle()) return false;
+    return !wants_exact() || (!exact_.asked && exact_.wish == wish_);
+}
+
+double Session::busy_s() const {
+    return std::max(quick_.thread->busy_s(), exact_.thread ? exact_.thread->busy_s() : 0.0);
 }
 
 std::optional<double> Session::next_due_s() const {
-    if (!playing_ || !picture_ || !picture_->next_time_s) return playing_ ? std::optional(0.0) : std::nullopt;
-    return *picture_->next_time_s - clock_.time_s(Clock::now());
+    if (playing_ && picture_ && picture_->next_time_s) return *picture_->next_time_s - clock_.time_s(Clock::now());
+    if (playing_) return 0.0;
+    if (wants_exact() && exact_.wish != wish_) return rest_s - seconds_since(touched_);
+    return std::nullopt;
 }
 
 void Session::go_to(std::int64_t frame, bool backwards) {
     frame_ = std::clamp<std::int64_t>(frame, 0, std::max<std::int64_t>(0, frame_count() - 1));
     backwards_ = backwards;
-    stale_ = true;
+    touch();
     if (playing_ && picture_) {
         const double fps = facts_->footage.fps;
         const double ahead = fps > 0 ? static_cast<double>(frame_ - picture_->frame) / fps : 0;
@@ -148,32 +198,33 @@ void Session::step(std::int64_t frames) {
 
 void Session::play(bool on) {
     playing_ = on;
+    touch();
     if (!on || !picture_) return;
     const bool at_end = picture_->frame + 1 >= frame_count();
     if (at_end) frame_ = 0;
     backwards_ = false;
     clock_.start(at_end ? 0 : picture_->time_s, Clock::now());
-    stale_ = true;
 }
 
-void Session::set_switches(const ShotSwitches& switches) {
-    switches_ = switches;
-    stale_ = true;
+void Session::set_level(const ShotLevel& level) {
+    level_ = level;
+    touch();
 }
 
 void Session::want(const WantedPictures& wanted) {
     if (wanted == wanted_) return;
     wanted_ = wanted;
-    stale_ = true;
+    touch();
 }
 
 void Session::ask_for_passes() {
     passes_ = true;
-    stale_ = true;
+    touch();
 }
 
 void Session::reload() {
-    thread_.reload();
+    quick_.thread->reload();
+    if (exact_.thread) exact_.thread->reload();
 }
 
 }  // namespace matchlight

@@ -1,16 +1,18 @@
-// A scene being looked at: which frame, how it is drawn, whether it plays, and the last picture that came of it.
+// A scene being looked at and changed: which frame, how exactly, whether it plays, and the last picture of it.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "preview/keys.h"
 #include "preview/playback_clock.h"
+#include "preview/scene_history.h"
+#include "preview/scene_values.h"
 #include "preview/shot_thread.h"
 
 namespace matchlight {
@@ -21,7 +23,7 @@ struct SessionOptions {
     std::optional<QualityLevel> level;  // instead of the scene's
     std::filesystem::path truth = {};   // as truth_picture() takes it
     bool quiet = false;
-    bool strict = false;  // what fails is thrown, not only told
+    bool strict = false;  // what fails is thrown, not only told; and no picture is drawn coarsely first
     std::function<void(const std::string&)> print;
     std::function<void()> wake;  // when something came of what the shot's thread does
 };
@@ -32,12 +34,14 @@ struct WantedPictures {
     bool operator==(const WantedPictures&) const = default;
 };
 
+/// While things change pictures are drawn at the level `preview`; where they rest, at the level that is asked for, by
+/// a second shot, so that the next change need not wait for it.
 class Session {
 public:
     Session(SessionOptions options, Warnings& warnings);
 
-    /// Takes what the thread has done and asks for what is wanting. Throws what it threw, as long as nothing could be
-    /// shown yet.
+    /// Takes what the threads have done and asks for what is wanting. Throws what they threw, as long as nothing could
+    /// be shown yet.
     void update();
     /// Until nothing is left to do but play.
     void settle();
@@ -55,44 +59,89 @@ public:
     std::int64_t frame() const { return frame_; }
     std::int64_t frame_count() const { return facts_ ? facts_->footage.frame_count : 0; }
 
-    const ShotSwitches& switches() const { return switches_; }
-    void set_switches(const ShotSwitches& switches);
+    const ShotLevel& level() const { return level_; }
+    void set_level(const ShotLevel& level);
     void want(const WantedPictures& wanted);
     void ask_for_passes();
+    /// Reads the scene file again, and all that belongs to it.
     void reload();
+
+    // The scene as it was changed. Every change is one of its text; what cannot be read is told, and changes nothing.
+    const Scene& scene() const { return *scene_; }
+    const SceneValues& values() const { return values_; }
+    const SceneHistory& history() const { return *history_; }
+    /// Those of one `drag` are one step to be undone.
+    void set(const std::string& key, const SceneValue& value, const std::string& drag = {});
+    void remove(const std::string& key);
+    void change(const std::function<void(SceneText&)>& edit, const std::string& what, const std::string& drag = {});
+    /// What is held is let go of.
+    void end_drag();
+    void undo();
+    void redo();
+    void save();
+    /// The object that panel and handles are of.
+    std::optional<std::size_t> chosen() const;
+    void choose(std::optional<std::size_t> object) { chosen_ = object; }
+    void add_object(const SceneEntries& entries);
+    void remove_chosen();
+    /// A model or a set of spheres, by its file.
+    void add_file(const std::filesystem::path& file);
+    /// A key whose value is "off" or 0 becomes what it was when it was switched off, or `on`; any other, `off`.
+    void toggle(const std::string& key, const SceneValue& off, const SceneValue& on);
 
     /// What is wrong, in a line; empty: nothing.
     const std::string& trouble() const { return shader_trouble_.empty() ? trouble_ : shader_trouble_; }
-    void set_trouble(const std::string& trouble);
+    /// Does it; where it cannot be done, that is told.
+    void attempt(const std::function<void()>& action);
     bool idle() const;
-    double busy_s() const { return thread_.busy_s(); }
-    /// Seconds until the next frame is due; nothing while it does not play.
+    double busy_s() const;
+    /// Seconds until the next frame is due, or a picture is to be made exact; nothing where neither is.
     std::optional<double> next_due_s() const;
     void print(const std::string& text) const { options_.print(text); }
 
 private:
-    void take(ShotNews news);
+    using Clock = PlaybackClock::Clock;
+
+    /// A thread, and for which wishes it was asked last.
+    struct Drawer {
+        std::unique_ptr<ShotThread> thread;
+        std::int64_t wish = 0;
+        bool asked = false;
+    };
+
+    void touch();
+    bool wants_exact() const;
+    void take(Drawer& drawer, bool exact);
     void take_facts(std::shared_ptr<const ShotFacts> facts);
     void take_picture(ShotPicture picture);
     void take_shaders(const ShaderReload& shaders);
-    void ask();
+    void take_text(const SceneText& text);
+    void set_trouble(const std::string& trouble);
+    void ask(Drawer& drawer, const ShotLevel& level);
 
     SessionOptions options_;
+    Warnings& warnings_;
     std::shared_ptr<const ShotFacts> facts_;
     std::optional<ShotPicture> picture_;
-    ShotSwitches switches_;
+    std::unique_ptr<SceneHistory> history_;
+    std::shared_ptr<const Scene> scene_;
+    SceneValues values_;
+    std::map<std::string, std::string> switched_off_;  // keys, as they were written; empty: they were not
+    std::optional<std::size_t> chosen_;
+    ShotLevel level_;
     PlaybackClock clock_;
     std::int64_t frame_ = 0;  // wanted
     bool backwards_ = false;
     WantedPictures wanted_;
     bool passes_ = false;
-    bool stale_ = true;   // the picture is not what is wanted, and not asked for
-    bool asked_ = false;  // and has not come
     bool playing_ = false;
+    bool dragging_ = false;
     bool changed_ = false;
     std::string trouble_;         // of the last attempt
     std::string shader_trouble_;  // until it is mended
-    ShotThread thread_;
+    std::int64_t wish_ = 1;       // counts changes of what is wanted
+    Clock::time_point touched_ = Clock::now();
+    Drawer quick_, exact_;
 };
 
 }  // namespace matchlight

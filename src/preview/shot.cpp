@@ -11,24 +11,16 @@ namespace matchlight {
 
 namespace {
 
-template <class Settings>
-void switch_effect(std::optional<Settings>& effect, bool on) {
-    if (!on) effect.reset();
-    if (on && !effect) effect.emplace();
+/// Nothing is solved or decoded anew where these stay.
+bool same_clip(const Scene& a, const Scene& b) {
+    return a.footage == b.footage && a.tags == b.tags && a.camera == b.camera && a.background == b.background;
+}
+
+bool is_metered(const Scene& scene) {
+    return scene.effects.exposure && scene.effects.exposure->mode == ExposureMode::simulated;
 }
 
 }  // namespace
-
-EffectSettings switched_effects(const EffectSettings& of_scene, const ShotSwitches& switches) {
-    EffectSettings effects = of_scene;
-    switch_effect(effects.bloom, switches.bloom);
-    switch_effect(effects.glare, switches.glare);
-    if (!switches.dazzle) effects.dazzle = DazzleSettings{.strength = 0, .glare = {}};
-    // Matched exposure is what holds without exposure control: the switch is between that and the simulated one.
-    switch_effect(effects.exposure, switches.exposure);
-    if (effects.exposure) effects.exposure->mode = ExposureMode::simulated;
-    return effects;
-}
 
 Shot::Shot(GlContext& context, const std::filesystem::path& scene_path, bool quiet, Warnings& warnings)
     : context_(context),
@@ -36,26 +28,22 @@ Shot::Shot(GlContext& context, const std::filesystem::path& scene_path, bool qui
       warnings_(warnings),
       scene_(load_scene(scene_path, warnings)),
       solve_(solve_of_scene(scene_, warnings)),
-      frames_(open_frames(scene_, false, warnings)),
-      switches_(scene_switches()) {}
+      frames_(std::make_unique<FrameCache>(open_frames(scene_, false, warnings))),
+      level_(scene_level()) {}
 
-ShotSwitches Shot::scene_switches() const {
-    const EffectSettings& effects = scene_.effects;
-    return {.bloom = effects.bloom.has_value(),
-            .glare = effects.glare.has_value(),
-            .dazzle = true,
-            .exposure = effects.exposure && effects.exposure->mode == ExposureMode::simulated,
-            .shadow = scene_.surface.present && scene_.surface.shadow,
-            .level = scene_.quality,
-            .budget = scene_.budget_ms.has_value()};
+ShotLevel Shot::scene_level() const {
+    return {.level = scene_.quality, .budget = scene_.budget_ms.has_value()};
+}
+
+Scene Shot::drawn_scene() const {
+    Scene scene = scene_;
+    scene.quality = level_.level;
+    if (!level_.budget) scene.budget_ms.reset();
+    return scene;
 }
 
 void Shot::make_compositor() {
-    Scene scene = scene_;
-    scene.effects = switched_effects(scene_.effects, switches_);
-    scene.surface.shadow = switches_.shadow;
-    scene.quality = switches_.level;
-    if (!switches_.budget) scene.budget_ms.reset();
+    const Scene scene = drawn_scene();
     compositor_.reset();  // its textures first: two sets may be more than the memory holds
     Solve solve = solve_;
     context_.make_current();
@@ -65,14 +53,35 @@ void Shot::make_compositor() {
         .budget = budget_of_scene(scene, context_, warnings_),
         .gathered_surface = surface_picture_of_clip(scene, solve, {.quiet = quiet_}, warnings_)};
     compositor_ = std::make_unique<Compositor>(context_, scene, solve, options, warnings_);
+    if (dragging_) compositor_->set_dragging(true);
 }
 
-void Shot::set_switches(const ShotSwitches& switches) {
-    const bool remake = switches.budget || switches.budget != switches_.budget || switches.shadow != switches_.shadow ||
-                        switches.level != switches_.level || switches.exposure != switches_.exposure;
-    switches_ = switches;
-    if (remake) compositor_.reset();
-    if (compositor_) compositor_->set_effects(switched_effects(scene_.effects, switches_));
+void Shot::set_level(const ShotLevel& level) {
+    if (level == level_) return;
+    level_ = level;
+    compositor_.reset();
+}
+
+void Shot::set_scene(const Scene& scene) {
+    const bool clip_stays = same_clip(scene, scene_);
+    // What is metered of the clip depends on all that is drawn in it.
+    const bool keeps = clip_stays && !is_metered(scene) && !is_metered(scene_);
+    scene_ = scene;
+    if (!clip_stays) {
+        solve_ = solve_of_scene(scene_, warnings_);
+        frames_ = std::make_unique<FrameCache>(open_frames(scene_, false, warnings_));
+    }
+    if (compositor_ == nullptr) return;
+    context_.make_current();
+    // Of no use any more unless it takes the scene.
+    std::unique_ptr<Compositor> compositor = std::move(compositor_);
+    if (keeps && compositor->set_scene(drawn_scene())) compositor_ = std::move(compositor);
+}
+
+void Shot::set_dragging(bool dragging) {
+    if (dragging == dragging_) return;
+    dragging_ = dragging;
+    if (compositor_ && !compositor_->set_dragging(dragging)) compositor_.reset();
 }
 
 Image8 Shot::composited(const PlateFrame& plate) {

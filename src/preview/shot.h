@@ -1,4 +1,4 @@
-// A scene with its footage and compositor, and what the preview's keys change of it.
+// A scene with its footage and compositor, and what of it is made anew when it changes.
 #pragma once
 
 #include <filesystem>
@@ -16,19 +16,12 @@
 
 namespace matchlight {
 
-/// What is drawn of a scene.
-struct ShotSwitches {
-    bool bloom = false;
-    bool glare = false;
-    bool dazzle = false;    // as the scene has it; or objects send nothing to bloom and glare
-    bool exposure = false;  // simulated exposure control
-    bool shadow = false;    // on the surface
+/// How exactly a scene is drawn.
+struct ShotLevel {
     QualityLevel level = QualityLevel::final_;
     bool budget = false;  // the scene's budget_ms chooses levels instead
+    bool operator==(const ShotLevel&) const = default;
 };
-
-/// The scene's effects where they are switched on; where the scene has none of a kind, with its defaults.
-EffectSettings switched_effects(const EffectSettings& of_scene, const ShotSwitches& switches);
 
 class Shot {
 public:
@@ -38,14 +31,16 @@ public:
     Shot(const Shot&) = delete;
     Shot& operator=(const Shot&) = delete;
 
-    /// As the scene file has them.
-    ShotSwitches scene_switches() const;
-    const ShotSwitches& switches() const { return switches_; }
-    /// Shadow, level and exposure (and all of them under a budget) make anew what the clip shares, with the next frame;
-    /// the rest costs nothing.
-    void set_switches(const ShotSwitches& switches);
+    /// As the scene has it.
+    ShotLevel scene_level() const;
+    /// Makes anew what the clip shares, with the next frame.
+    void set_level(const ShotLevel& level);
+    /// The scene as it was changed: from the next frame on, at the cost of what changed. Throws InputError.
+    void set_scene(const Scene& scene);
+    /// While true, shadows and reflections of what set_scene() moves may be coarse.
+    void set_dragging(bool dragging);
 
-    FrameCache& frames() { return frames_; }
+    FrameCache& frames() { return *frames_; }
     const Scene& scene() const { return scene_; }
     const Solve& solve() const { return solve_; }
 
@@ -56,6 +51,7 @@ public:
     ShaderReload reload_shaders();
 
 private:
+    Scene drawn_scene() const;
     void make_compositor();
 
     GlContext& context_;
@@ -63,8 +59,9 @@ private:
     Warnings& warnings_;
     Scene scene_;
     Solve solve_;
-    FrameCache frames_;
-    ShotSwitches switches_;
+    std::unique_ptr<FrameCache> frames_;
+    ShotLevel level_;
+    bool dragging_ = false;
     std::unique_ptr<Compositor> compositor_;
     ShaderLibrary files_;  // no programs of its own: what it knows is when files change
 };

@@ -122,7 +122,7 @@ void ShotThread::do_next(std::unique_lock<std::mutex>& lock) {
     }
     if (load_first && !failure) {
         news_.facts = std::make_shared<const ShotFacts>(
-            ShotFacts{shot_->scene(), shot_->solve(), shot_->frames().info(), shot_->scene_switches()});
+            ShotFacts{shot_->scene(), shot_->solve(), shot_->frames().info(), shot_->scene_level()});
     }
     if (failure) news_.failure = failure;
     wake_();
@@ -131,10 +131,20 @@ void ShotThread::do_next(std::unique_lock<std::mutex>& lock) {
 void ShotThread::load() {
     if (!context_) context_ = create_offscreen_context();
     shot_ = std::make_unique<Shot>(*context_, path_, quiet_, warnings_);
+    scene_.reset();
+}
+
+void ShotThread::take_wishes(const PictureRequest& request) {
+    shot_->set_level(request.level);
+    shot_->set_dragging(request.dragging);
+    if (!request.scene || request.scene == scene_) return;
+    scene_ = request.scene;
+    shot_->set_scene(*scene_);
 }
 
 ShotPicture ShotThread::picture_of(const PictureRequest& request) {
     const Clock::time_point start = Clock::now();
+    take_wishes(request);
     FrameCache& frames = shot_->frames();
     const std::int64_t last = std::max<std::int64_t>(0, frames.info().frame_count - 1);
     const std::int64_t wanted = std::min(request.frame, last);
@@ -155,7 +165,6 @@ ShotPicture ShotThread::picture_of(const PictureRequest& request) {
     picture.time_s = plate->time_s();
     picture.walk_s = seconds_since(start);
     const Clock::time_point decoded = Clock::now();
-    shot_->set_switches(request.switches);
     if (request.composite || request.passes || request.difference) picture.composite = shot_->composited(*plate);
     // After a picture, so that what is made once is not part of it.
     if (request.passes) picture.passes = shot_->passes(*plate);

@@ -23,14 +23,16 @@ struct ShotFacts {
     Scene scene;
     Solve solve;
     FootageInfo footage;
-    ShotSwitches switches;  // as the scene file has them
+    ShotLevel level;  // as the scene has it
 };
 
 struct PictureRequest {
     std::int64_t frame = 0;       // or the next that can be decoded
     bool backwards = false;       // or the one before it, where there is one
     std::optional<double> due_s;  // while it plays: go on from there to the last frame whose time has come
-    ShotSwitches switches;
+    ShotLevel level;
+    std::shared_ptr<const Scene> scene = {};  // as it was changed; null: as its file had it
+    bool dragging = false;                    // it changes with every request: coarse will do
     bool composite = true;
     bool plate = false;
     bool difference = false;  // FLIP of the composite against the truth, or where there is none against the plate
@@ -83,6 +85,7 @@ private:
     void work();
     void do_next(std::unique_lock<std::mutex>& lock);
     void load();
+    void take_wishes(const PictureRequest& request);
     ShotPicture picture_of(const PictureRequest& request);
     void look_at_shaders();
 
@@ -94,6 +97,7 @@ private:
     // The thread's own.
     std::unique_ptr<GlContext> context_;
     std::unique_ptr<Shot> shot_;
+    std::shared_ptr<const Scene> scene_;  // that the shot took last
 
     mutable std::mutex mutex_;
     std::condition_variable more_;

@@ -54,14 +54,29 @@ void lay_out_level(Session& session, Controls& controls, float scale) {
     for (std::size_t i = 0; i < quality_levels.size(); ++i) words[i] = quality_levels[i].first;
     words.back() = "budget";
     const bool has_budget = session.facts() != nullptr && session.facts()->scene.budget_ms;
-    ShotSwitches switches = session.switches();
-    std::size_t index = switches.budget ? quality_levels.size() : static_cast<std::size_t>(switches.level);
+    ShotLevel level = session.level();
+    std::size_t index = level.budget ? quality_levels.size() : static_cast<std::size_t>(level.level);
     ImGui::SetNextItemWidth(110 * scale);
     const std::span<const std::string_view> choices(words.data(), words.size() - (has_budget ? 0 : 1));
-    if (controls.choice("level", "", index, choices, "how exactly it is drawn (l)")) {
-        switches.budget = index == quality_levels.size();
-        if (!switches.budget) switches.level = static_cast<QualityLevel>(index);
-        session.set_switches(switches);
+    if (controls.choice("level", "", index, choices, "how exactly it is drawn when nothing moves (l)")) {
+        level.budget = index == quality_levels.size();
+        if (!level.budget) level.level = static_cast<QualityLevel>(index);
+        session.set_level(level);
+    }
+}
+
+void lay_out_history(Session& session, Controls& controls) {
+    if (session.facts() == nullptr) return;
+    const SceneHistory& history = session.history();
+    const std::string undone = history.undone_next() + " (ctrl+z)", redone = history.redone_next() + " (ctrl+shift+z)";
+    if (controls.button("undo", "Undo", undone.c_str())) session.undo();
+    ImGui::SameLine();
+    if (controls.button("redo", "Redo", redone.c_str())) session.redo();
+    ImGui::SameLine();
+    bool modified = history.is_modified();
+    if (controls.toggle("save", "Save", modified,
+                        "the scene file, its remarks kept (ctrl+s); lit: there are changes")) {
+        session.save();
     }
 }
 
@@ -70,6 +85,8 @@ void lay_out_bar(const Layout& layout, WindowParts& parts) {
     lay_out_shown(parts);
     ImGui::SameLine(0, 18 * parts.state.layout.scale);
     lay_out_level(parts.session, parts.controls, parts.state.layout.scale);
+    ImGui::SameLine(0, 18 * parts.state.layout.scale);
+    lay_out_history(parts.session, parts.controls);
     ImGui::SameLine();
     if (parts.controls.button("help", "Help", "all keys (f1)")) parts.state.help = !parts.state.help;
     ImGui::End();
@@ -135,7 +152,7 @@ void lay_out_panel(const Layout& layout, WindowParts& parts) {
             if (!state.open_panel) state.panel = i;
             ImGui::BeginChild("controls");
             ImGui::PushItemWidth(-0.42f * static_cast<float>(layout.panel.width));
-            panels[i].lay_out(parts.session, parts.controls);
+            if (parts.session.facts() != nullptr) panels[i].lay_out(parts.session, parts.controls);
             ImGui::PopItemWidth();
             ImGui::EndChild();
             ImGui::EndTabItem();
@@ -196,8 +213,11 @@ void lay_out_help(const Layout& layout, WindowState& state) {
 }  // namespace
 
 std::span<const Panel> window_panels() {
-    static constexpr std::array<Panel, 2> panels{
-        {{"Effects", lay_out_effects_panel}, {"Passes", lay_out_passes_panel}}};
+    static constexpr std::array<Panel, 5> panels{{{"Objects", lay_out_objects_panel},
+                                                  {"Light", lay_out_light_panel},
+                                                  {"Lens", lay_out_lens_panel},
+                                                  {"Effects", lay_out_effects_panel},
+                                                  {"Passes", lay_out_passes_panel}}};
     return panels;
 }
 

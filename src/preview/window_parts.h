@@ -7,6 +7,7 @@
 #include <string>
 
 #include "preview/canvas.h"
+#include "preview/keys.h"
 #include "preview/layout.h"
 #include "preview/panels.h"
 

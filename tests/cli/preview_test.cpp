@@ -14,80 +14,13 @@
 #include <nlohmann/json.hpp>
 
 #include "media/image_io.h"
+#include "preview_window.h"
 #include "run_matchlight.h"
-#include "virtual_display.h"
 
 namespace matchlight::test {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-bool same(const Image8& a, const Image8& b) {
-    return a.width() == b.width() && a.height() == b.height() && std::ranges::equal(a.samples(), b.samples());
-}
-
-class PreviewTest : public CommandTest {
-protected:
-    void SetUp() override {
-        shot_ = scratch_.copy_sample("table");
-        scene_ = shot_ / "table.toml";
-        ASSERT_TRUE(succeeded(run_matchlight({"track", scene_})));
-        options_.environment["DISPLAY"] = display_.name();
-    }
-
-    static std::vector<std::string> call_of(const fs::path& scene, const std::vector<std::string>& more) {
-        std::vector<std::string> call{"preview", scene, "--level", "draft"};
-        call.insert(call.end(), more.begin(), more.end());
-        return call;
-    }
-
-    Image8 snapshot(const std::vector<std::string>& more) {
-        const fs::path output = scratch_ / ("snapshot" + std::to_string(++snapshots_) + ".png");
-        std::vector<std::string> call = call_of(scene_, more);
-        call.insert(call.end(), {"--snapshot", output});
-        result_ = run_matchlight(call, options_);
-        EXPECT_TRUE(succeeded(result_));
-        return read_rgb8(output);
-    }
-
-    Image8 rendered(int frame) const {
-        const fs::path output = scratch_ / "out_%03d.png";
-        EXPECT_TRUE(succeeded(run_matchlight({"render", scene_, "-o", output, "--level", "draft", "--frames",
-                                              std::to_string(frame) + "-" + std::to_string(frame), "--overwrite"},
-                                             options_)));
-        return read_rgb8(numbered(output, frame));
-    }
-
-    /// What a script printed.
-    std::string played(const std::string& script, const std::vector<std::string>& more = {}) {
-        const fs::path file = scratch_.write("hand.txt", script + "\nquit\n");
-        std::vector<std::string> call = call_of(scene_, more);
-        call.insert(call.end(), {"--script", file, "--overwrite"});
-        result_ = run_matchlight(call, options_);
-        EXPECT_TRUE(succeeded(result_));
-        return result_.standard_output;
-    }
-
-    /// The part of a screenshot that starts at this corner.
-    static Image8 part_of(const Image8& picture, const Region& part) {
-        Image8 cut(part.width, part.height, 3);
-        for (int y = 0; y < part.height; ++y) {
-            const std::uint8_t* from = picture.pixel(part.x, part.y + y);
-            std::copy(from, from + std::size_t{3} * part.width, cut.pixel(0, y));
-        }
-        return cut;
-    }
-
-    void append_to_scene(const std::string& text) const { std::ofstream(scene_, std::ios::app) << text; }
-
-    VirtualDisplay display_{scratch_.path()};
-    RunOptions options_;
-    RunResult result_;
-    fs::path shot_;
-    fs::path scene_;
-    int snapshots_ = 0;
-};
 
 TEST_F(PreviewTest, ShowsWhatRenderWrites) {
     const Image8 of_render = rendered(5);
@@ -193,9 +126,6 @@ TEST_F(PreviewTest, PlaysToTheEndAndQuits) {
     EXPECT_LT(quit.seconds, 60);
 }
 
-// The picture at one pixel of the screen each, in the middle of its place: 900×530 from (0, 40) in this window.
-constexpr Region whole_pixels_at{130, 125, 640, 360};
-
 TEST_F(PreviewTest, ScriptsShowWhatRenderWritesAmongThePanels) {
     const fs::path first = scratch_ / "first.png", fifth = scratch_ / "fifth.png", plate = scratch_ / "plate.png";
     played("wait_idle\nkey 1\nwait_idle\nscreenshot " + first.string() +
@@ -209,24 +139,30 @@ TEST_F(PreviewTest, ScriptsShowWhatRenderWritesAmongThePanels) {
 
 TEST_F(PreviewTest, ControlsAreInTheWindowAndDoNotOverlap) {
     for (const auto& [size, width, height] : {std::tuple("1280x720", 1280, 720), std::tuple("1280x1024", 1280, 1024)}) {
-        for (const char* panel : {"effects", "passes"}) {
-            std::istringstream lines(
-                played(std::string("wait_idle\nshow ") + panel + "\nwait_idle\ncontrols", {"--size", size}));
-            std::vector<Region> places;
-            for (std::string word, name, rest; lines >> word;) {
-                if (word != "control") continue;
-                Region place, seen;
-                lines >> name >> rest >> place.x >> place.y >> place.width >> place.height >> rest >> seen.x >>
-                    seen.y >> seen.width >> seen.height;
-                std::getline(lines, rest);
-                EXPECT_EQ(rest, "") << name << " has its text cut off";
-                EXPECT_EQ(place, seen) << name;
-                EXPECT_EQ(place, place.intersected({0, 0, width, height})) << name;
-                for (const Region& other : places) EXPECT_TRUE(place.intersected(other).empty()) << name;
-                places.push_back(place);
-            }
-            EXPECT_GT(places.size(), 10u) << panel;
+        std::string script = "wait_idle\nshow objects\nclick object[0]\nwait_idle\ncontrols\n";
+        for (const char* panel : {"light", "lens", "effects", "passes"}) {
+            script += std::string("show ") + panel + "\nwait_idle\ncontrols\n";
         }
+        std::istringstream lines(played(script, {"--size", size}));
+        std::vector<Region> places;
+        int panels = 0;
+        for (std::string word, name, rest; lines >> word;) {
+            if (word != "control") continue;
+            Region place, seen;
+            lines >> name >> rest >> place.x >> place.y >> place.width >> place.height >> rest >> seen.x >> seen.y >>
+                seen.width >> seen.height;
+            std::getline(lines, rest);
+            if (name == "view.composite") {  // the first of a frame
+                ++panels;
+                places.clear();
+            }
+            EXPECT_EQ(rest, "") << name << " has its text cut off";
+            EXPECT_EQ(place, seen) << name;
+            EXPECT_EQ(place, place.intersected({0, 0, width, height})) << name;
+            for (const Region& other : places) EXPECT_TRUE(place.intersected(other).empty()) << name;
+            places.push_back(place);
+        }
+        EXPECT_EQ(panels, 5);
     }
 }
 
