@@ -127,6 +127,11 @@ void Gui::draw(const Framebuffer& target) {
     renderer_.draw(*ImGui::GetDrawData(), target);
 }
 
+Eigen::Vector2d Gui::pointer_px() const {
+    const ImVec2& place = ImGui::GetIO().MousePos;
+    return {place.x, place.y};
+}
+
 bool Gui::wants_text() const {
     return ImGui::GetIO().WantTextInput;
 }

@@ -26,6 +26,8 @@ public:
     /// Whether keys go into a text field.
     bool wants_text() const;
 
+    Eigen::Vector2d pointer_px() const;
+
     float scale() const { return scale_; }
 
 private:

@@ -8,6 +8,7 @@ namespace matchlight {
 
 void lay_out_lens_panel(Session& session, Controls& controls) {
     lay_out_effect(session, controls, *find_setting("effects", "depth_of_field"));
+    ImGui::TextWrapped("Click in the picture with shift held down to focus there.");
     if (!session.scene().camera) return;
     ImGui::Spacing();
     ImGui::TextUnformatted("Camera");

@@ -27,7 +27,7 @@ void lay_out_additions(Session& session, Controls& controls) {
     if (controls.choice("add", "", shape, shapes, "models and sphere sets: drop their files onto the window") &&
         shape > 0) {
         session.add_object({{"shape", std::string(shapes[shape])},
-                            {"translate", std::vector<double>{0, 0, new_shape_scale}},
+                            {"translate", std::vector<double>{0, 0, new_shape_scale / 2}},
                             {"scale", new_shape_scale}});
     }
     if (!session.chosen()) return;

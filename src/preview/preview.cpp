@@ -13,6 +13,7 @@
 #include "core/version.h"
 #include "media/image_io.h"
 #include "preview/gui.h"
+#include "preview/hand.h"
 #include "preview/script_player.h"
 #include "preview/truth_picture.h"
 #include "preview/window.h"
@@ -68,6 +69,7 @@ private:
     Session session_;
     PictureView view_;
     Canvas canvas_;
+    Hand hand_;
     Controls controls_;
     WindowState state_;
     WindowSettings settings_;
@@ -224,7 +226,7 @@ void Preview::take_pictures() {
 
 void Preview::start_script() {
     script_ = std::make_unique<ScriptPlayer>(
-        options_.script, ScriptStage{.idle = [this] { return session_.idle() && pending_.empty(); },
+        options_.script, ScriptStage{.idle = [this] { return session_.idle() && hand_.idle() && pending_.empty(); },
                                      .show =
                                          [this](const std::string& name) {
                                              state_.panel = panel_named(name);
@@ -248,6 +250,9 @@ void Preview::handle(const InputEvent& event) {
         if (const std::optional<PreviewAction> action = action_of(event)) press(*action);
     }
     gui_->feed(event);
+    if (event.kind == InputEvent::Kind::drop && session_.facts() != nullptr) {
+        session_.attempt([&] { hand_.drop(event.text, gui_->pointer_px(), layout_.picture, canvas_, session_); });
+    }
 }
 
 void Preview::lay_out() {
@@ -260,7 +265,9 @@ void Preview::lay_out() {
     controls_.begin_frame();
     layout_ = matchlight::lay_out(drawn_px_, state_.layout);
     canvas_.lay_out(layout_.picture, state_.layout.scale);
-    WindowParts parts{state_, session_, canvas_, controls_, [this](PreviewAction action) { press(action); }};
+    session_.attempt([&] { hand_.lay_out(layout_.picture, state_.layout.scale, canvas_, session_); });
+    WindowParts parts{state_,    session_,     canvas_,
+                      controls_, hand_.says(), [this](PreviewAction action) { press(action); }};
     try {
         lay_out_window(layout_, parts);
     } catch (const InputError& error) {

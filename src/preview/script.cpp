@@ -25,13 +25,14 @@ struct Verb {
     std::string_view what;
 };
 
-constexpr std::array<Verb, 14> verbs{{
+constexpr std::array<Verb, 15> verbs{{
     {"wait_idle", 0, 0, 0, "until nothing is left to be drawn"},
     {"key", 1, 1, 0, "NAME: press a key, such as b or ctrl+z"},
-    {"click", 1, 3, 2, "X Y [right] or CONTROL: press and let go there"},
-    {"drag", 4, 6, 4, "X0 Y0 X1 Y1 [STEPS] [right|middle]: press, move in steps, let go"},
+    {"click", 1, 3, 2, "X Y [right|shift] or CONTROL: press and let go there"},
+    {"drag", 4, 6, 4, "X0 Y0 X1 Y1 [STEPS] [right|middle|shift]: press, move in steps, let go"},
     {"scroll", 3, 3, 3, "X Y STEPS: turn the wheel there"},
     {"move", 2, 2, 2, "X Y: the pointer alone"},
+    {"drop", 3, 3, 2, "X Y FILE: let a file go there"},
     {"set", 2, 2, 0, "CONTROL VALUE: change a control by its name, such as effects.bloom auto"},
     {"show", 1, 1, 0, "PANEL: open one of the panels"},
     {"type", 1, 1, 0, "TEXT: into the field that takes it"},

@@ -23,15 +23,20 @@ InputEvent pointer_at(double x, double y) {
     return {.kind = Kind::pointer, .value = {x, y}};
 }
 
-InputEvent button(int code, bool down) {
-    return {.kind = Kind::button, .code = code, .down = down};
+/// The left button unless a word says otherwise: "right", "middle", or "shift" for the left one with that key.
+InputEvent button_of(const ScriptStep& step, std::size_t word) {
+    InputEvent event{.kind = Kind::button, .code = 0, .down = true};
+    if (step.words.size() <= word || step.words[word] == "left") return event;
+    event.shift = step.words[word] == "shift";
+    if (event.shift) return event;
+    event.code = step.words[word] == "right" ? 1 : 2;
+    if (event.code == 1 || step.words[word] == "middle") return event;
+    throw std::invalid_argument(fmt::format("'{}' is no button: left, right, middle or shift", step.words[word]));
 }
 
-int button_of(const ScriptStep& step, std::size_t word) {
-    if (step.words.size() <= word || step.words[word] == "left") return 0;
-    if (step.words[word] == "right") return 1;
-    if (step.words[word] == "middle") return 2;
-    throw std::invalid_argument(fmt::format("'{}' is no button: left, right or middle", step.words[word]));
+InputEvent let_go(InputEvent button) {
+    button.down = button.shift = false;
+    return button;
 }
 
 }  // namespace
@@ -59,21 +64,21 @@ void ScriptPlayer::click(const ScriptStep& step, const Controls& controls) {
     } else {
         at = {step.numbers[0], step.numbers[1]};
     }
-    const int code = button_of(step, step.numbers.empty() ? 1 : 2);
-    ticks_ = {{pointer_at(at.x(), at.y())}, {button(code, true)}, {button(code, false)}, {}};
+    const InputEvent button = button_of(step, step.numbers.empty() ? 1 : 2);
+    ticks_ = {{pointer_at(at.x(), at.y())}, {button}, {let_go(button)}, {}};
 }
 
 void ScriptPlayer::drag(const ScriptStep& step) {
     const bool has_steps = step.numbers.size() > 4;
     const int steps = has_steps ? std::max(1, static_cast<int>(std::lround(step.numbers[4]))) : 8;
-    const int code = button_of(step, has_steps ? 5 : 4);
+    const InputEvent button = button_of(step, has_steps ? 5 : 4);
     const Eigen::Vector2d from(step.numbers[0], step.numbers[1]), to(step.numbers[2], step.numbers[3]);
-    ticks_ = {{pointer_at(from.x(), from.y())}, {button(code, true)}};
+    ticks_ = {{pointer_at(from.x(), from.y())}, {button}};
     for (int i = 1; i <= steps; ++i) {
         const Eigen::Vector2d at = from + (to - from) * (static_cast<double>(i) / steps);
         ticks_.push_back({pointer_at(at.x(), at.y())});
     }
-    ticks_.push_back({button(code, false)});
+    ticks_.push_back({let_go(button)});
     ticks_.push_back({});
 }
 
@@ -96,6 +101,10 @@ void ScriptPlayer::begin(const ScriptStep& step, Controls& controls) {
     } else if (verb == "scroll") {
         ticks_ = {{pointer_at(step.numbers[0], step.numbers[1])},
                   {{.kind = Kind::scroll, .value = {0, step.numbers[2]}}},
+                  {}};
+    } else if (verb == "drop") {
+        ticks_ = {{pointer_at(step.numbers[0], step.numbers[1])},
+                  {{.kind = Kind::drop, .value = {0, 0}, .code = 0, .text = step.words[2]}},
                   {}};
     } else if (verb == "set") {
         controls.set(step.words[0], step.words[1]);

@@ -84,8 +84,8 @@ public:
     void choose(std::optional<std::size_t> object) { chosen_ = object; }
     void add_object(const SceneEntries& entries);
     void remove_chosen();
-    /// A model or a set of spheres, by its file.
-    void add_file(const std::filesystem::path& file);
+    /// A model or a set of spheres stands there; a picture of light becomes the probe.
+    void take_file(const std::filesystem::path& file, const Eigen::Vector3d& translate_m);
     /// A key whose value is "off" or 0 becomes what it was when it was switched off, or `on`; any other, `off`.
     void toggle(const std::string& key, const SceneValue& off, const SceneValue& on);
 
@@ -110,6 +110,8 @@ private:
     };
 
     void touch();
+    /// As it is written by hand: relative to the scene where it lies beside or below it.
+    std::string written(const std::filesystem::path& file) const;
     bool wants_exact() const;
     void take(Drawer& drawer, bool exact);
     void take_facts(std::shared_ptr<const ShotFacts> facts);

@@ -1,6 +1,7 @@
 // What a session changes of its scene: always the text, from which the scene is read again.
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -82,14 +83,21 @@ void Session::add_object(const SceneEntries& entries) {
     if (scene_->objects.size() > before) chosen_ = before;
 }
 
-void Session::add_file(const std::filesystem::path& file) {
-    static constexpr std::array<std::string_view, 6> models{".gltf", ".glb", ".obj", ".ply", ".stl", ".fbx"};
-    const bool is_model = std::ranges::find(models, file.extension().string()) != models.end();
-    // As it is written by hand: relative to the scene where it lies beside or below it.
+std::string Session::written(const std::filesystem::path& file) const {
     const std::filesystem::path folder = std::filesystem::absolute(options_.scene).parent_path();
     const std::filesystem::path nearby = std::filesystem::absolute(file).lexically_relative(folder);
     const bool is_below = !nearby.empty() && *nearby.begin() != "..";
-    add_object({{is_model ? "model" : "spheres", (is_below ? nearby : std::filesystem::absolute(file)).string()}});
+    return (is_below ? nearby : std::filesystem::absolute(file)).string();
+}
+
+void Session::take_file(const std::filesystem::path& file, const Eigen::Vector3d& translate_m) {
+    std::string kind = file.extension().string();
+    for (char& letter : kind) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    if (kind == ".exr" || kind == ".hdr") return set("light.probe", written(file));
+    static constexpr std::array<std::string_view, 5> models{".gltf", ".glb", ".obj", ".ply", ".stl"};
+    const bool is_model = std::ranges::find(models, kind) != models.end();
+    add_object({{is_model ? "model" : "spheres", written(file)},
+                {"translate", std::vector<double>(translate_m.begin(), translate_m.end())}});
 }
 
 void Session::remove_chosen() {

@@ -169,6 +169,10 @@ ShotPicture ShotThread::picture_of(const PictureRequest& request) {
     // After a picture, so that what is made once is not part of it.
     if (request.passes) picture.passes = shot_->passes(*plate);
     picture.ms = 1000 * seconds_since(decoded);
+    picture.camera = shot_->solve().camera;
+    if (const SolvedFrame* solved = shot_->solve().find(plate->index())) {
+        picture.camera_from_world = solved->camera_from_world;
+    }
     const bool wants_truth = !request.truth.empty();
     if (wants_truth) picture.truth = truth_picture(request.truth, picture.frame).value_or(Image8());
     picture.flip_of_plate = picture.truth.width() == 0;

@@ -50,6 +50,9 @@ struct ShotPicture {
     double mean_flip = 0;               // of the difference
     bool flip_of_plate = false;         // it is against the plate
     std::vector<PassReport> passes;
+    // Where it was seen from; absent where that is not known.
+    Camera camera;
+    std::optional<RigidTransform> camera_from_world;
     double walk_s = 0;  // it took to decode
     double ms = 0;      // it took to composite
 };

@@ -131,7 +131,9 @@ void lay_out_status(const Layout& layout, const WindowParts& parts) {
         ImGui::PopStyleColor();
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", session.trouble().c_str());
     } else {
-        ImGui::TextUnformatted(values_under_pointer(parts).c_str());
+        std::string left = values_under_pointer(parts);
+        if (!parts.hand_says.empty()) left += (left.empty() ? "" : "   ") + parts.hand_says;
+        ImGui::TextUnformatted(left.c_str());
         ImGui::SameLine(std::max(0.0f, ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(right.c_str()).x));
         ImGui::TextUnformatted(right.c_str());
     }
@@ -192,8 +194,11 @@ void lay_out_help(const Layout& layout, WindowState& state) {
                  ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::PushTextWrapPos(580 * scale);
     ImGui::TextUnformatted(
-        "Wheel: zoom about the pointer. Right or middle button: drag the picture. "
-        "Timeline: drag to scrub.");
+        "Wheel: zoom about the pointer. Right or middle button: drag the picture. Timeline: drag to scrub. "
+        "Left button: choose an object and drag it over what it stands on; its ring turns it, the square scales it, "
+        "the "
+        "knob above lifts it. With shift: focus there. Drop a model or a set of spheres to add it, a picture of light "
+        "(.exr, .hdr) to light the scene by it.");
     ImGui::PopTextWrapPos();
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit)) {
         for (const PreviewKey& key : preview_keys()) {

@@ -31,6 +31,7 @@ struct WindowParts {
     Session& session;
     Canvas& canvas;
     Controls& controls;
+    const std::string& hand_says;              // in the line below
     std::function<void(PreviewAction)> press;  // what a key does
 };
 

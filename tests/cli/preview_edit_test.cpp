@@ -1,6 +1,9 @@
 // What is changed in the window is what its file says, and what render makes of that file.
+#include <algorithm>
 #include <filesystem>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -10,6 +13,8 @@
 namespace matchlight::test {
 namespace {
 
+using testing::DoubleNear;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -30,7 +35,7 @@ TEST_F(PreviewEditTest, WhatIsSavedRendersAsTheWindowShowedIt) {
     append_to_scene("\n[effects]\nbloom = {strength = 0.6, threshold = 0.3} # as in the film\n");
     hand("wait_idle\nkey 1\n" + shot("first") +
          "show objects\nclick object[0]\nset object[0].translate \"0.02 0 0.01\"\n"
-         "show light\nset light.exposure_ev 1.5\nset surface.shadow off\n" +
+         "click 200 560\nshow light\nset light.exposure_ev 1.5\nset surface.shadow off\n" +
          shot("changed") + "key ctrl+z\nkey ctrl+z\nkey ctrl+z\n" + shot("undone") +
          "key ctrl+shift+z\nkey ctrl+shift+z\nkey ctrl+shift+z\n" + shot("redone") + "key b\n" + shot("without") +
          "key b\n" + shot("last") + "key ctrl+s\nwait_idle");
@@ -69,6 +74,78 @@ TEST_F(PreviewEditTest, WhatTheSceneCannotHoldIsToldAndChangesNothing) {
         hand("wait_idle\nshow light\nset light.probe none.exr\nwait_idle\nkey ctrl+s\nwait_idle");
     EXPECT_THAT(printed, HasSubstr("none.exr"));
     EXPECT_EQ(bytes_of(scene_), before);
+}
+
+/// What the file has behind a key in the last of its objects.
+std::vector<double> numbers_of(const std::string& scene, const std::string& key) {
+    std::vector<double> numbers;
+    const std::size_t object = scene.rfind("[[object]]"), at = scene.find("\n" + key + " = ", object);
+    if (object == std::string::npos || at == std::string::npos) return numbers;
+    const std::size_t value = at + key.size() + 4;
+    std::string list = scene.substr(value, scene.find('\n', value) - value);
+    std::ranges::replace_if(
+        list, [](char letter) { return letter == '[' || letter == ']' || letter == ','; }, ' ');
+    std::istringstream words(list);
+    for (double number = 0; words >> number;) numbers.push_back(number);
+    return numbers;
+}
+
+// Drags are told by the window's pixels, where the picture is shown at 1:1: half a millimetre of the table each.
+TEST_F(PreviewEditTest, ObjectsAreDraggedOverTheirPlaneAndLifted) {
+    append_to_scene("\n[[object]]\nshape = \"sphere\"\ntranslate = [-0.05, -0.1, 0.02]\nscale = 0.04\n");
+    hand(
+        "wait_idle\nkey 1\nwait_idle\nclick 410 405\nwait_idle\ndrag 418 396 518 380 3\nwait_idle\nkey "
+        "ctrl+s\nwait_idle");
+    std::string saved = bytes_of(scene_);
+    EXPECT_THAT(numbers_of(saved, "translate"), ElementsAre(DoubleNear(0.034, 0.002), DoubleNear(-0.099, 0.002), 0.02));
+    EXPECT_THAT(numbers_of(saved, "scale"), ElementsAre(0.04));
+    // Back by the object itself, and up by the knob above it. It is grabbed 2 cm above its middle and so much nearer to
+    // the camera: a pixel is a twentieth less there, which is 4 mm of the way.
+    hand(
+        "wait_idle\nkey 1\nwait_idle\ndrag 518 380 418 396 3\nwait_idle\ndrag 417 342 416 300 3\nkey "
+        "ctrl+s\nwait_idle");
+    saved = bytes_of(scene_);
+    EXPECT_THAT(numbers_of(saved, "translate"), ElementsAre(DoubleNear(-0.05, 0.005), DoubleNear(-0.1, 0.005),
+                                                            testing::AllOf(testing::Gt(0.04), testing::Lt(0.08))));
+}
+
+TEST_F(PreviewEditTest, TheRingTurnsAndTheSquareScales) {
+    append_to_scene("\n[[object]]\nshape = \"box\"\ntranslate = [-0.05, -0.1, 0.02]\nscale = 0.04\n");
+    hand(
+        "wait_idle\nkey 1\nwait_idle\nclick 410 405\nwait_idle\ndrag 510 384 600 372 3\nwait_idle\n"
+        "drag 348 404 419 450 4\nkey ctrl+s\nwait_idle\n");
+    const std::string saved = bytes_of(scene_);
+    // Twice as far from the middle; a quarter of the ring, which is seen at a slant.
+    EXPECT_THAT(numbers_of(saved, "scale"), ElementsAre(DoubleNear(0.08, 0.008)));
+    EXPECT_THAT(numbers_of(saved, "rotate_deg"), ElementsAre(0, 0, DoubleNear(90, 12)));
+    EXPECT_THAT(numbers_of(saved, "translate"), ElementsAre(-0.05, -0.1, 0.02));
+}
+
+TEST_F(PreviewEditTest, AShiftedClickFocusesOnWhatIsThere) {
+    hand("wait_idle\nkey 1\nwait_idle\n" + shot("first") + "click 432 290 shift\n" + shot("ball") +
+         "click 600 440 shift\n" + shot("table") + "key ctrl+s\nwait_idle\n");
+    EXPECT_FALSE(same(picture("ball"), picture("first")));
+    EXPECT_FALSE(same(picture("table"), picture("ball")));
+    const std::string saved = bytes_of(scene_);
+    EXPECT_THAT(saved, HasSubstr("focus_on = \"point\""));
+    // On the table its height is 0.
+    EXPECT_THAT(saved, testing::ContainsRegex("point = \\[[-0-9.]+, [-0-9.]+, -?0\\]"));
+}
+
+TEST_F(PreviewEditTest, DroppedFilesStandWhereTheyAreLetGo) {
+    fs::copy_file(shot_ / "objects.glb", shot_ / "more.glb");
+    const std::string printed = hand("wait_idle\nkey 1\nwait_idle\n" + shot("first") + "drop 600 440 " +
+                                     (shot_ / "more.glb").string() + "\nwait_idle\nclick 200 560\n" + shot("dropped") +
+                                     "drop 500 300 " + (shot_ / "none.glb").string() + "\nkey ctrl+s\nwait_idle");
+    EXPECT_FALSE(same(picture("dropped"), picture("first")));
+    EXPECT_THAT(printed, HasSubstr("none.glb"));
+    const std::string saved = bytes_of(scene_);
+    EXPECT_THAT(saved, AllOf(HasSubstr("model = \"more.glb\""), Not(HasSubstr("none.glb"))));
+    const std::vector<double> place = numbers_of(saved, "translate");
+    ASSERT_EQ(place.size(), 3u);
+    EXPECT_GT(place[0], 0.02) << "right of the middle";
+    EXPECT_LT(place[1], -0.05) << "and before it";
+    EXPECT_EQ(place[2], 0);
 }
 
 }  // namespace
