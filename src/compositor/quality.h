@@ -21,9 +21,10 @@ struct ReflectionSettings {
 };
 
 struct Quality {
-    int supersampling = 2;     // layer pixels along each side of a plate pixel, each with `samples` samples
-    int samples = 1;           // multisampling; with small triangles a sample costs more than a pixel
-    int mirror_face_px = 512;  // the reflection cube's sharpest level
+    int supersampling = 2;       // layer pixels along each side of a plate pixel, each with `samples` samples
+    int samples = 1;             // multisampling; with small triangles a sample costs more than a pixel
+    int sphere_edge_places = 4;  // along a layer pixel's side where spheres have edges (render/sphere_edges.h)
+    int mirror_face_px = 512;    // the reflection cube's sharpest level
     ContactShadowSettings shadow;
     ObjectShadowSettings object_shadow;
     ReflectionSettings reflection = {};
@@ -41,6 +42,7 @@ inline Quality quality_of(QualityLevel level) {
         case QualityLevel::draft:
             return {1,
                     1,
+                    0,
                     128,
                     {.directions = 16, .resolution = 256},
                     {.directions = 0},
@@ -54,6 +56,7 @@ inline Quality quality_of(QualityLevel level) {
         case QualityLevel::preview:
             return {1,
                     1,
+                    4,
                     256,
                     {.directions = 32, .resolution = 512},
                     {.directions = 32, .resolution = 128},
@@ -66,6 +69,7 @@ inline Quality quality_of(QualityLevel level) {
                     level};
         case QualityLevel::reference:
             return {
+                4,
                 4,
                 4,
                 1024,
@@ -81,7 +85,7 @@ inline Quality quality_of(QualityLevel level) {
         case QualityLevel::final_:
             break;
     }
-    return {2, 1, 512, {.directions = 128, .resolution = 1024}, {}};
+    return {2, 1, 4, 512, {.directions = 128, .resolution = 1024}, {}};
 }
 
 /// The same with reflections that meet no object, and without light that bounces.
@@ -91,8 +95,9 @@ inline Quality without_rays(Quality quality) {
     return quality;
 }
 
-/// The same with what the scene says of rays in place of the level.
+/// The same with what the scene says of rays and edges in place of the level.
 inline Quality with_choices_of(const Scene& scene, Quality quality) {
+    if (scene.sphere_edges) quality.sphere_edge_places = *scene.sphere_edges;
     if (scene.reflections) quality.reflection.level = *scene.reflections;
     if (scene.bounce && *scene.bounce != (quality.bounce.rays > 0))
         quality.bounce = *scene.bounce ? BounceLightSettings{} : BounceLightSettings{.rays = 0};

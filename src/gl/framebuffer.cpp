@@ -89,6 +89,13 @@ void Framebuffer::resolve_color_to(const Framebuffer& target, const Region& regi
     glNamedFramebufferDrawBuffers(target.name(), static_cast<GLsizei>(all.size()), all.data());
 }
 
+void Framebuffer::resolve_depth_to(const Framebuffer& target, const Region& region) const {
+    const int right = region.x + region.width;
+    const int bottom = region.y + region.height;
+    glBlitNamedFramebuffer(name(), target.name(), region.x, region.y, right, bottom, region.x, region.y, right, bottom,
+                           GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+}
+
 void Framebuffer::read_samples(const Region& region, void* data, std::size_t count, gl_detail::ClientType type,
                                int attachment) const {
     assert(static_cast<std::size_t>(attachment) < color_formats_.size());

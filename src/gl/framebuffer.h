@@ -56,6 +56,9 @@ public:
     void resolve_color_to(const Framebuffer& target, const Region& region, int attachment = 0,
                           int target_attachment = 0) const;
 
+    /// Of several samples' depths the driver takes one; the same region of both, of one format.
+    void resolve_depth_to(const Framebuffer& target, const Region& region) const;
+
     /// Reads a region of a colour attachment; the channel count follows from the size of `samples`.
     template <class Sample>
     void read(const Region& region, std::span<Sample> samples, int attachment = 0) const {

@@ -46,35 +46,75 @@ void leave_state() {
 
 }  // namespace
 
-int SpherePeeling::peel(const Peeled& peeled) {
-    const Texture2D& depth = peeled.opaque_depth;
-    if (!light_ || light_.width() != depth.width() || light_.height() != depth.height() ||
-        target_depth_ != depth.name()) {
-        const TextureShape shape{.format = GL_RGBA32F, .width = depth.width(), .height = depth.height()};
-        light_ = Texture2D(shape);
-        target_ = Framebuffer({light_}, depth);
-        target_depth_ = depth.name();
-    }
-    light_.clear(0, 0, 0, 0);
+void SpherePeeling::keep_first_depth(const SeenSpheres& layer, const Region& rows) {
+    glCopyImageSubData(layer.depth_share->name(), GL_TEXTURE_2D, 0, rows.x, rows.y, 0, first_depth_.name(),
+                       GL_TEXTURE_2D, 0, rows.x, rows.y, 0, rows.width, rows.height, 1);
+}
+
+int SpherePeeling::peel_rows(const Peeled& peeled, int first_row, int rows, const NextLayer& next_layer) {
     const Region region{0, 0, peeled.width, peeled.height};
     const AnySamples query;
-    SeenSpheres layer;
     int layers = 0;
     while (layers < peeled.most_layers) {
         const bool looks = layers % layers_a_look == layers_a_look - 1;
-        if (layers == 0) {
-            first_ = layer = peeled.sets.see(peeled.placed, peeled.width, peeled.height);
-        } else {
-            layer = peeled.sets.see_next(peeled.placed, peeled.width, peeled.height, light_, 1 - peeled.residual);
-        }
+        const SeenSpheres layer = next_layer(layers);
+        if (layers == 0) keep_first_depth(layer, {0, first_row, peeled.width, rows});
         target_.bind(region);
+        glEnable(GL_SCISSOR_TEST);
+        glScissor(0, first_row, peeled.width, rows);
         set_under_state();
         if (looks) query.begin();
         peeled.light(layer);
         if (looks) AnySamples::end();
         leave_state();
+        glDisable(GL_SCISSOR_TEST);
         ++layers;
         if (looks && !query.any()) break;
+    }
+    return layers;
+}
+
+int SpherePeeling::peel(const Peeled& peeled) {
+    const Texture2D& depth = peeled.opaque_depth;
+    if (!light_ || light_.width() != depth.width() || light_.height() != depth.height() ||
+        target_depth_ != depth.name()) {
+        TextureShape shape{.format = GL_RGBA32F, .width = depth.width(), .height = depth.height()};
+        light_ = Texture2D(shape);
+        shape.format = GL_DEPTH_COMPONENT32F;
+        first_depth_ = Texture2D(shape);
+        target_ = Framebuffer({light_}, depth);
+        target_depth_ = depth.name();
+    }
+    light_.clear(0, 0, 0, 0);
+    const double enough = 1 - peeled.residual;
+    const auto by_peeling = [&](int layer) {
+        return layer == 0 ? peeled.sets.see(peeled.placed, peeled.width, peeled.height)
+                          : peeled.sets.see_next(peeled.placed, peeled.width, peeled.height, light_, enough);
+    };
+    if (peeled.search == LayerSearch::peeling) return peel_rows(peeled, 0, peeled.height, by_peeling);
+
+    int layers = 0;
+    if (listed_rows_ == 0) listed_rows_ = peeled.height;
+    for (int row = 0; row < peeled.height;) {
+        const int rows = std::min(listed_rows_, peeled.height - row);
+        const bool held = lists_.gather({.sets = peeled.sets,
+                                         .placed = peeled.placed,
+                                         .width = peeled.width,
+                                         .height = peeled.height,
+                                         .first_row = row,
+                                         .rows = rows,
+                                         .opaque_depth = depth});
+        if (!held && rows > 1) {
+            listed_rows_ = (rows + 1) / 2;
+            continue;
+        }
+        // What not even a row's lists hold is peeled.
+        const int found =
+            held ? peel_rows(peeled, row, rows,
+                             [&](int layer) { return lists_.next(layer == 0 ? nullptr : &light_, enough); })
+                 : peel_rows(peeled, row, rows, by_peeling);
+        layers = std::max(layers, found);
+        row += rows;
     }
     return layers;
 }

@@ -1,20 +1,27 @@
 // Spheres that let light through: peeled off layer by layer from the front, as far as it can be seen.
 //
-// Each layer is found behind the one before (Everitt 2001, "Interactive Order-Independent Transparency"), lit, and put
-// under what is there. A pixel that lets no more than `residual` through is left alone, and peeling ends where no pixel
-// is left; its error is at most what the residual lets through (render/transparency_bound.h). The exact composite in
-// double precision is report/transparency_reference.h.
+// Each layer is found behind the one before (Everitt 2001, "Interactive Order-Independent Transparency") or taken from
+// lists of all that each pixel meets (render/sphere_lists.h), lit, and put under what is there. A pixel that lets no
+// more than `residual` through is left alone, and peeling ends where no pixel is left; its error is at most what the
+// residual lets through (render/transparency_bound.h). The exact composite in double precision is
+// report/transparency_reference.h.
 #pragma once
 
 #include <functional>
 
 #include "gl/framebuffer.h"
+#include "render/sphere_lists.h"
 #include "render/sphere_sets.h"
 
 namespace matchlight {
 
+/// How the layers are found; the picture is the same.
+enum class LayerSearch { lists, peeling };
+
 class SpherePeeling {
 public:
+    explicit SpherePeeling(ShaderLibrary& shaders) : lists_(shaders) {}
+
     struct Peeled {
         SphereSets& sets;
         std::span<const PlacedSpheres> placed;
@@ -22,6 +29,8 @@ public:
         const Texture2D& opaque_depth;  // what lies behind is hidden; of a size that holds the picture
         double residual = 0;            // transmittance
         int most_layers = 0;
+        /// Lists that no buffer holds are made for fewer rows at a time.
+        LayerSearch search = LayerSearch::lists;
         /// Draws the layer's light, premultiplied, with its depth, into what is bound.
         std::function<void(const SeenSpheres&)> light;
     };
@@ -30,12 +39,19 @@ public:
 
     /// Premultiplied light of all layers, alpha what they cover; RGBA32F. Until the next peel().
     const Texture2D& light() const { return light_; }
-    /// near_m / z of the first layer, 0 where there is none; until the sets are seen again.
-    const Texture2D& first_depth_share() const { return *first_.depth_share; }
+    /// near_m / z of the first layer, 0 where there is none.
+    const Texture2D& first_depth_share() const { return first_depth_; }
+    SphereLists& lists() { return lists_; }
 
 private:
-    Texture2D light_;
-    SeenSpheres first_;
+    /// The rows' next layer; each call one behind the other.
+    using NextLayer = std::function<SeenSpheres(int layer)>;
+    int peel_rows(const Peeled& peeled, int first_row, int rows, const NextLayer& next_layer);
+    void keep_first_depth(const SeenSpheres& layer, const Region& rows);
+
+    Texture2D light_, first_depth_;
+    SphereLists lists_;
+    int listed_rows_ = 0;  // that lists held last
     Framebuffer target_;
     GLuint target_depth_ = 0;  // what the target holds besides
 };

@@ -60,35 +60,46 @@ void SphereSets::draw(std::span<const PlacedSpheres> placed, int width, int heig
     glDisable(GL_SCISSOR_TEST);
     set_depth_state();
     if (sought.begin) sought.begin();
-    const std::vector<ShaderStage> stages{{GL_VERTEX_SHADER, "spheres/sphere.vert"},
-                                          {GL_FRAGMENT_SHADER, "spheres/visible.frag"}};
     ShaderDefines defines;
     if (sought.define != nullptr) defines[sought.define] = "1";
-    Program& points = shaders_.program(stages, defines);
-    ShaderDefines of_triangles = defines;
+    draw_each({.placed = placed,
+               .width = width,
+               .height = height,
+               .fragment = "spheres/visible.frag",
+               .defines = defines,
+               .set_up = sought.set_up,
+               .depth = &targets.depth,
+               .peeled = sought.peeled});
+    glDisable(GL_DEPTH_TEST);
+    last_ = &targets;
+}
+
+void SphereSets::draw_each(const EachDraw& drawn) {
+    const std::vector<ShaderStage> stages{{GL_VERTEX_SHADER, "spheres/sphere.vert"},
+                                          {GL_FRAGMENT_SHADER, drawn.fragment}};
+    Program& points = shaders_.program(stages, drawn.defines);
+    ShaderDefines of_triangles = drawn.defines;
     of_triangles["TRIANGLES"] = "1";
     Program& triangles = shaders_.program(stages, of_triangles);
-    for (const PlacedSpheres& one : placed) {
-        const SphereRays rays({.clip_from_world = one.clip_from_world, .width = width, .height = height},
+    for (const PlacedSpheres& one : drawn.placed) {
+        const SphereRays rays({.clip_from_world = one.clip_from_world, .width = drawn.width, .height = drawn.height},
                               one.world_from_model);
         for (Program* program : {&points, &triangles}) {
             program->use();
             rays.set(*program);
             program->set("first_id", first_id(one.set));
-            if (sought.set_up) sought.set_up(*program);
+            if (drawn.set_up) drawn.set_up(*program);
         }
         culling_.draw({.geometry = geometry(one.set),
                        .rays = rays,
                        .points = points,
                        .triangles = triangles,
-                       .depth = &targets.depth,
-                       .width = width,
-                       .height = height,
-                       .peeled = sought.peeled},
+                       .depth = drawn.depth,
+                       .width = drawn.width,
+                       .height = drawn.height,
+                       .peeled = drawn.peeled},
                       visibility);
     }
-    glDisable(GL_DEPTH_TEST);
-    last_ = &targets;
 }
 
 SeenSpheres SphereSets::see(std::span<const PlacedSpheres> placed, int width, int height,

@@ -60,6 +60,17 @@ public:
     /// see_next() found last; of spheres at one depth the next of the list.
     SeenSpheres see_next(std::span<const PlacedSpheres> placed, int width, int height, const Texture2D& covered,
                          double enough);
+    /// Every sphere of the sets that culling leaves, into whatever is bound, with the state that is set.
+    struct EachDraw {
+        std::span<const PlacedSpheres> placed;
+        int width = 0, height = 0;
+        std::string fragment;  // a shader that includes spheres/meet.glsl
+        ShaderDefines defines;
+        std::function<void(Program&)> set_up;  // its other uniforms; may be empty
+        const Texture2D* depth = nullptr;      // the depth buffer that is bound: hidden spheres are passed over
+        const Texture2D* peeled = nullptr;     // of the layer before: spheres before it are passed over; null: none is
+    };
+    void draw_each(const EachDraw& drawn);
     /// Draws a set along parallel rays.
     void cast(std::size_t set, const Eigen::Matrix4d& world_from_model, const SphereCast& cast);
 

@@ -11,7 +11,11 @@
 namespace matchlight {
 
 SurfaceRenderer::SurfaceRenderer(ShaderLibrary& shaders)
-    : shaders_(shaders), targets_(std::make_unique<Targets>()), holdout_targets_(std::make_unique<Targets>()) {}
+    : shaders_(shaders),
+      targets_(std::make_unique<Targets>()),
+      holdout_targets_(std::make_unique<Targets>()),
+      peeling_(shaders),
+      sphere_edges_(shaders) {}
 SurfaceRenderer::~SurfaceRenderer() = default;
 
 std::size_t SurfaceRenderer::add_object(const SurfaceObject& object) {

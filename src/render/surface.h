@@ -14,6 +14,7 @@
 #include "gl/shader_library.h"
 #include "render/effects/depth_of_field.h"
 #include "render/environment.h"
+#include "render/sphere_edges.h"
 #include "render/sphere_peeling.h"
 #include "render/sphere_sets.h"
 #include "scene/model.h"
@@ -70,6 +71,7 @@ struct SurfaceView {
     /// are; SurfacePicture::coverage then tells them from virtual ones. False: they leave the picture empty.
     bool parts_coverage = false;
     const RealDepth* real_depth = nullptr;  // null: not known
+    int sphere_edge_places = 0;  // along a pixel's side (render/sphere_edges.h); less than 2: pixels' middles tell
 };
 
 /// How the view sees an object: apart or as the rest.
@@ -155,10 +157,11 @@ public:
     std::size_t add_spheres(const SurfaceObject& object, const SphereSet& set);
     bool any_spheres() const;
     /// What light spheres that are peeled may let through unseen, and how many layers are the most.
-    void set_peeling(double residual, int most_layers);
+    void set_peeling(double residual, int most_layers, LayerSearch search = LayerSearch::lists);
     int peeled_layers() const { return peeled_layers_; }  // by the last draw
     /// How they are drawn: what is passed over, for reports and tests. Null where there are none.
     SphereSets* spheres() { return spheres_.get(); }
+    SphereLists& sphere_lists() { return peeling_.lists(); }
     void place_object(std::size_t index, const Eigen::Matrix4d& world_from_model);
     /// Other factors of an object's materials. False, and nothing is changed, where they need a texture of the model
     /// that was not uploaded, because the ones before stood in its place.
@@ -280,6 +283,9 @@ private:
     void draw_peeled_spheres(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading,
                              const Framebuffer& target);
     void draw_seen_spheres(Program& program, const SurfaceView& view, const PlaceMore& place_more) const;
+    /// Mixes pixels of what draw() drew where the spheres that it saw have their edges.
+    void soften_sphere_edges(const SurfaceView& view, const Texture2D& depth);
+    bool softens_sphere_edges(const SurfaceView& view) const;
     bool casts_spheres(const Object& object) const;
     Eigen::AlignedBox3d sphere_bounds_m(const Object& object) const;
     /// What stands for real things, before all that is virtual; `program` as in draw_objects().
@@ -301,8 +307,10 @@ private:
     std::unique_ptr<SphereSets> spheres_;
     SeenSpheres seen_spheres_;
     SpherePeeling peeling_;
+    SphereEdges sphere_edges_;
     double peeling_residual_ = 1.0 / 255 / 64;  // half a code in the darkest part of the sRGB curve, and less elsewhere
     int most_peeled_layers_ = 4096;
+    LayerSearch layer_search_ = LayerSearch::lists;
     int peeled_layers_ = 0;
 };
 

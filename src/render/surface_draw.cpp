@@ -263,10 +263,16 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     }
     begin_drawing(*target, region, colors_of(view));
     draw_objects(programs, view, view.lens && view.lens->parts_transparent ? Drawn::opaque_light : Drawn::light);
+    if (samples == 1) soften_sphere_edges(view, targets_->depth);
     draw_peeled_spheres(environment, view, shading, *target);
     if (samples > 1) {
         target->resolve_color_to(targets_->resolved, region);
         if (view.parts_coverage) target->resolve_color_to(targets_->covered.target, region, 1, 1);
+        if (softens_sphere_edges(view)) {
+            targets_->fit_edge_depth();
+            target->resolve_depth_to(targets_->edge_depth_target, region);
+            soften_sphere_edges(view, targets_->edge_depth);
+        }
     }
     return {.width = view.width,
             .height = view.height,

@@ -24,6 +24,13 @@ Model material_model(const SphereSet& set) {
     return model;
 }
 
+/// The directions of clip x, y and w.
+Eigen::Matrix3d picture_axes(const Eigen::Matrix4d& clip_from_any) {
+    Eigen::Matrix3d axes;
+    axes << clip_from_any.row(0).head<3>(), clip_from_any.row(1).head<3>(), clip_from_any.row(3).head<3>();
+    return axes;
+}
+
 }  // namespace
 
 std::size_t SurfaceRenderer::add_spheres(const SurfaceObject& object, const SphereSet& set) {
@@ -72,9 +79,10 @@ void SurfaceRenderer::see_spheres(const SurfaceView& view, SphereKind kind, cons
     seen_spheres_ = spheres_->see(placed, view.width, view.height, nearer_share);
 }
 
-void SurfaceRenderer::set_peeling(double residual, int most_layers) {
+void SurfaceRenderer::set_peeling(double residual, int most_layers, LayerSearch search) {
     peeling_residual_ = residual;
     most_peeled_layers_ = most_layers;
+    layer_search_ = search;
 }
 
 void SurfaceRenderer::draw_peeled_spheres(const Environment& environment, const SurfaceView& view,
@@ -93,6 +101,7 @@ void SurfaceRenderer::draw_peeled_spheres(const Environment& environment, const 
                                     .opaque_depth = targets_->depth,
                                     .residual = peeling_residual_,
                                     .most_layers = most_peeled_layers_,
+                                    .search = layer_search_,
                                     .light = [&](const SeenSpheres& layer) {
                                         seen_spheres_ = layer;
                                         draw_seen_spheres(light, of_light, {});
@@ -130,6 +139,40 @@ void SurfaceRenderer::draw_seen_spheres(Program& program, const SurfaceView& vie
         program.set("material_index", 0.0);
         triangle_.draw();
     }
+}
+
+bool SurfaceRenderer::softens_sphere_edges(const SurfaceView& view) const {
+    return view.sphere_edge_places > 1 && std::ranges::any_of(objects_, [](const Object& object) {
+               return object.is_spheres() && !object.has_blending_spheres();
+           });
+}
+
+void SurfaceRenderer::soften_sphere_edges(const SurfaceView& view, const Texture2D& depth) {
+    if (!softens_sphere_edges(view)) return;
+    const Eigen::Matrix3d rays = camera_from_ndc(picture_axes(view.clip_from_world));
+    // A lens that is sampled shears the views of objects that are focused apart: each has other rays.
+    constexpr double same = 1e-6;
+    for (const ObjectView& apart : view.apart) {
+        if (!camera_from_ndc(picture_axes(apart.clip_from_world)).isApprox(rays, same)) return;
+    }
+    std::vector<const Texture2D*> drawn{&targets_->color};
+    if (view.lens) drawn.push_back(&targets_->focused.focus_share);
+    if (view.parts_coverage) drawn.push_back(&targets_->covered.coverage);
+    sphere_edges_.soften({.seen = seen_spheres_,
+                          .depth = &depth,
+                          .drawn = drawn,
+                          .width = view.width,
+                          .height = view.height,
+                          .near_m = view.clip_from_world(2, 3),
+                          .side = std::min(view.sphere_edge_places, most_edge_places),
+                          .camera_from_ndc = rays},
+                         [&](Program& outline) {
+                             draw_seen_spheres(outline, view, [&](Program& program, std::size_t index) {
+                                 const Eigen::Matrix3d axes = picture_axes(view_of_object(view, index).clip_from_world *
+                                                                           objects_[index].world_from_model);
+                                 program.set("camera_from_model", Eigen::Matrix3f((rays * axes).cast<float>()));
+                             });
+                         });
 }
 
 void SurfaceRenderer::cast_shadow_spheres(const SphereCast& cast) const {

@@ -50,6 +50,8 @@ struct SurfaceRenderer::Targets {
     };
     Texture2D multisampled_color, multisampled_depth;
     Framebuffer multisampled;
+    Texture2D edge_depth;  // of one of several samples
+    Framebuffer edge_depth_target;
     Texture2D color, depth;  // depth only where nothing is multisampled
     Framebuffer resolved;
     ColorAndDepth hidden;
@@ -97,6 +99,13 @@ struct SurfaceRenderer::Targets {
             multisampled_depth = Texture2D(shape);
             multisampled = Framebuffer({multisampled_color}, multisampled_depth);
         }
+    }
+    /// One depth a pixel, of those of several samples.
+    void fit_edge_depth() {
+        const Texture2D& like = multisampled_depth;
+        if (edge_depth && edge_depth.width() == like.width() && edge_depth.height() == like.height()) return;
+        edge_depth = Texture2D({.format = depth_format, .width = like.width(), .height = like.height()});
+        edge_depth_target = Framebuffer({}, edge_depth);
     }
     void fit_layers(const SurfaceView& view) {
         if (holds(layer_depth_m, view, 0)) return;

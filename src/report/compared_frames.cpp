@@ -3,15 +3,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/error.h"
-#include "core/transfer.h"
 #include "media/frame_source.h"
 #include "media/image_io.h"
+#include "report/srgb_picture.h"
 
 namespace matchlight {
 namespace {
@@ -30,15 +29,6 @@ bool is_linear_picture(const fs::path& path) {
     return extension == ".exr" || extension == ".hdr";
 }
 
-Image8 displayed(const ImageF& linear) {
-    Image8 codes(linear.width(), linear.height(), 3);
-    for (std::size_t i = 0; i < codes.samples().size(); ++i) {
-        const double code = srgb_code_from_linear(linear.samples()[i]);
-        codes.samples()[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(code, 0.0, 1.0)));
-    }
-    return codes;
-}
-
 ComparedFrame read_frame(const fs::path& path, std::int64_t number, bool is_mask, Warnings& warnings) {
     ComparedFrame frame;
     frame.number = number;
@@ -47,7 +37,7 @@ ComparedFrame read_frame(const fs::path& path, std::int64_t number, bool is_mask
         frame.rgb = read_mask(path);
     } else if (is_linear_picture(path)) {
         frame.linear = read_linear_rgb(path, warnings);
-        frame.rgb = displayed(*frame.linear);
+        frame.rgb = srgb_picture(*frame.linear);
     } else {
         frame.rgb = read_rgb8(path);
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "report/sphere_edge_trial.h"
 #include "report/sphere_layers.h"
 #include "report/sphere_orbit.h"
 #include "report/sphere_stage.h"
@@ -31,6 +32,9 @@ std::vector<ReferenceView> views_of(const SphereSet& set, const SphereOrbit& orb
     return views;
 }
 
+/// At which the covered share is told to a sixteenth.
+constexpr int checked_edge_places = 8;
+
 SpherePart visibility_part(SphereStage& stage) {
     SpherePart part{.name = "visibility", .ways = {}};
     const auto add = [&](const char* name, const SphereVisibility& visibility) {
@@ -46,7 +50,12 @@ SpherePart visibility_part(SphereStage& stage) {
 SpherePart light_part(SphereStage& stage) {
     return {.name = "light",
             .ways = {{"seen", [&stage](const ReferenceView& view) { stage.see(view, {}); }},
-                     {"probe light", [&stage](const ReferenceView& view) { stage.draw(view, {}); }}}};
+                     {"probe light", [&stage](const ReferenceView& view) { stage.draw(view, {}); }},
+                     {"probe light, edges", [&stage](const ReferenceView& view) {
+                          stage.set_edge_places(checked_edge_places);
+                          stage.draw(view, {});
+                          stage.set_edge_places(0);
+                      }}}};
 }
 
 void measure_opaque(const SphereSet& set, const SphereCaster& rays, const SphereExperimentOptions& options,
@@ -64,7 +73,9 @@ void measure_opaque(const SphereSet& set, const SphereCaster& rays, const Sphere
         }
         const std::vector<ReferenceView> compared = views_of(set, orbit, options.quick ? 1 : 3, options.side_px);
         const auto drawn = [&](const ReferenceView& view) {
+            stage.set_edge_places(checked_edge_places);
             stage.draw(view, {});
+            stage.set_edge_places(0);
             return stage.picture();
         };
         const auto light = [&](const SpherePoint& point) { return stage.light_of(point); };
@@ -74,6 +85,10 @@ void measure_opaque(const SphereSet& set, const SphereCaster& rays, const Sphere
         report.sphere_study.checks.push_back(std::move(check));
         if (options.advance) options.advance();
     }
+    const ReferenceView view = views_of(set, sphere_orbits().back(), 1, options.side_px).front();
+    EffectReport edges = measure_sphere_edges(stage, rays, view, {.repeats = options.repeats}, options.quick);
+    edges.name = "edges of " + set.name;
+    report.effects.push_back(std::move(edges));
 }
 
 /// The same spheres, all of the study's opacity.

@@ -12,6 +12,7 @@
 #include "report/experiment.h"
 #include "report/flip.h"
 #include "report/flip_colors.h"
+#include "report/srgb_picture.h"
 
 namespace matchlight {
 namespace {
@@ -22,15 +23,6 @@ constexpr double hardly_any = 1.0 / (16 * 255 * 12.92);
 
 double srgb_code(double light, int) {
     return srgb_code_from_linear(light);
-}
-
-Image8 srgb_picture(const ImageF& light) {
-    Image8 picture(light.width(), light.height(), 3);
-    for (std::size_t i = 0; i < light.samples().size(); ++i) {
-        const double code = srgb_code_from_linear(static_cast<double>(light.samples()[i]));
-        picture.samples()[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(code, 0.0, 1.0)));
-    }
-    return picture;
 }
 
 /// Over black.
@@ -63,6 +55,7 @@ struct Peeling {
     std::string name;
     double tolerance = 0, residual = 0;
     int most_layers = to_the_end;
+    LayerSearch search = LayerSearch::peeling;
 };
 
 SpherePart part_of(SphereStage& stage, const char* name, std::span<const Peeling> peelings) {
@@ -70,7 +63,7 @@ SpherePart part_of(SphereStage& stage, const char* name, std::span<const Peeling
     for (const Peeling& peeling : peelings) {
         part.ways.push_back({peeling.name,
                              [&stage, peeling](const ReferenceView& view) {
-                                 stage.set_peeling(peeling.residual, peeling.most_layers);
+                                 stage.set_peeling(peeling.residual, peeling.most_layers, peeling.search);
                                  stage.draw(view, {});
                              },
                              [&stage] {
@@ -92,14 +85,19 @@ std::vector<Knob> left_out(const ImageF& whole, const ImageF& stopped) {
 }
 
 std::vector<Peeling> peelings_by_tolerance(const SphereStage& stage, bool quick) {
-    std::vector<Peeling> peelings{{"to the end", 0, hardly_any, to_the_end}};
+    std::vector<Peeling> peelings{{"to the end", 0, hardly_any, to_the_end, LayerSearch::peeling},
+                                  {"lists, to the end", 0, hardly_any, to_the_end, LayerSearch::lists}};
     const Eigen::Vector3d most_light = Eigen::Vector3d::Constant(stage.most_light());
     for (const double tolerance : {2.0, 8.0, 30.0}) {
         if (quick && tolerance != 8) continue;
-        peelings.push_back(
-            {fmt::format("t = {:g}", tolerance), tolerance, residual_of_tolerance(srgb_code, most_light, tolerance)});
-        peelings.push_back(
-            {fmt::format("t = {:g}, linear codes", tolerance), tolerance, residual_of_tolerance(tolerance)});
+        const double srgb = residual_of_tolerance(srgb_code, most_light, tolerance);
+        const double linear = residual_of_tolerance(tolerance);
+        for (const LayerSearch search : {LayerSearch::peeling, LayerSearch::lists}) {
+            const char* const by = search == LayerSearch::lists ? "lists, " : "";
+            peelings.push_back({fmt::format("{}t = {:g}", by, tolerance), tolerance, srgb, to_the_end, search});
+            peelings.push_back(
+                {fmt::format("{}t = {:g}, linear codes", by, tolerance), tolerance, linear, to_the_end, search});
+        }
     }
     return peelings;
 }
@@ -116,7 +114,8 @@ LayerStudy measure_layers(SphereStage& stage, const SphereCaster& rays, std::spa
     std::vector<Peeling> by_layers;
     for (const int layers : {1, 2, 4, 8, 16, 32}) {
         if (quick && layers != 1 && layers != 8) continue;
-        by_layers.push_back({fmt::format("{} layer{}", layers, layers == 1 ? "" : "s"), 0, hardly_any, layers});
+        by_layers.push_back(
+            {fmt::format("{} layer{}", layers, layers == 1 ? "" : "s"), 0, hardly_any, layers, LayerSearch::peeling});
     }
     study.rows = time_over_views(part_of(stage, "layers", by_layers), views, repeats);
     const std::vector<Peeling> by_tolerance = peelings_by_tolerance(stage, quick);

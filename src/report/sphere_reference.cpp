@@ -102,6 +102,29 @@ bool is_sphere_edge(const SphereCaster& spheres, const ReferenceView& view, int 
     return false;
 }
 
+ReferenceView finer(const ReferenceView& view, int times) {
+    ReferenceView fine = view;
+    PinholeView& pinhole = fine.pinhole;
+    pinhole.fx *= times;
+    pinhole.fy *= times;
+    pinhole.cx = (pinhole.cx + 0.5) * times - 0.5;
+    pinhole.cy = (pinhole.cy + 0.5) * times - 0.5;
+    pinhole.origin_x *= times;
+    pinhole.origin_y *= times;
+    pinhole.width *= times;
+    pinhole.height *= times;
+    return fine;
+}
+
+ReferenceView cropped(const ReferenceView& view, const Region& region) {
+    ReferenceView part = view;
+    part.pinhole.cx -= region.x;
+    part.pinhole.cy -= region.y;
+    part.pinhole.width = region.width;
+    part.pinhole.height = region.height;
+    return part;
+}
+
 ImageF reference_opaque(const SphereCaster& spheres, const ReferenceView& view, int side, const SphereLight& light) {
     ImageF picture(view.width(), view.height(), 4);
     parallel_for(view.height(), [&](int y) {

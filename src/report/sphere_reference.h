@@ -27,6 +27,11 @@ struct ReferenceView {
     SphereRay ray_through(double x_px, double y_px) const;
 };
 
+/// The same picture with `times` pixels along the side of each.
+ReferenceView finer(const ReferenceView& view, int times);
+/// A part of it alone.
+ReferenceView cropped(const ReferenceView& view, const Region& region);
+
 /// What is met first, for shading.
 struct SpherePoint {
     SphereHit hit;

@@ -49,6 +49,7 @@ void SphereStage::draw(const ReferenceView& view, const SphereVisibility& visibi
     seen.width = view.width();
     seen.height = view.height();
     seen.samples = 1;
+    seen.sphere_edge_places = edge_places_;
     drawn_ = renderer_.draw(environment_, seen);
 }
 

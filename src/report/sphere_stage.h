@@ -27,7 +27,11 @@ public:
     void see(const ReferenceView& view, const SphereVisibility& visibility);
     std::vector<Knob> drawn_cells();
     /// Where spheres let light through: how they are peeled from now on, and how many layers the last draw took.
-    void set_peeling(double residual, int most_layers) { renderer_.set_peeling(residual, most_layers); }
+    void set_peeling(double residual, int most_layers, LayerSearch search) {
+        renderer_.set_peeling(residual, most_layers, search);
+    }
+    /// Places along a pixel's side at edges from now on; 0 at first.
+    void set_edge_places(int places) { edge_places_ = places; }
     int peeled_layers() const { return renderer_.peeled_layers(); }
     /// No point of any sphere sends more.
     double most_light() const;
@@ -40,6 +44,7 @@ private:
     Environment environment_;
     SurfaceRenderer renderer_;
     SurfacePicture drawn_;
+    int edge_places_ = 0;
 };
 
 }  // namespace matchlight

@@ -66,7 +66,8 @@ std::string checks_html(const SphereStudy& study) {
     if (study.checks.empty()) return {};
     std::string html =
         "<p>Opaque pictures against the double-precision ray caster. Edges are silhouettes and the seams where spheres "
-        "meet: there the covered share of the pixel, drawn as 4×4, is compared, elsewhere the picture's codes of "
+        "meet: there the covered share of the pixel, drawn by 8×8 places at edges, is compared, elsewhere the "
+        "picture's codes of "
         "255.</p>"
         "<table><tr><th class=\"word\">set</th><th class=\"word\">orbit</th><th>frames</th><th>pixels</th><th>at "
         "edges</th><th>largest difference, codes</th><th>pixels over 1</th><th>largest difference of coverage</th>"

@@ -44,32 +44,6 @@ double codes_off(const SphereCaster& spheres, const SphereRay& ray, const Sphere
     return most;
 }
 
-/// The same picture with `times` pixels along the side of each.
-ReferenceView finer(const ReferenceView& view, int times) {
-    ReferenceView fine = view;
-    PinholeView& pinhole = fine.pinhole;
-    pinhole.fx *= times;
-    pinhole.fy *= times;
-    pinhole.cx = (pinhole.cx + 0.5) * times - 0.5;
-    pinhole.cy = (pinhole.cy + 0.5) * times - 0.5;
-    pinhole.origin_x *= times;
-    pinhole.origin_y *= times;
-    pinhole.width *= times;
-    pinhole.height *= times;
-    return fine;
-}
-
-/// Of a pixel in a picture that is finer so many times.
-double drawn_coverage(const ImageF& fine, int x, int y, int times) {
-    double sum = 0;
-    for (int row = 0; row < times; ++row) {
-        for (int column = 0; column < times; ++column) {
-            sum += static_cast<double>(fine.at(times * x + column, times * y + row, 3));
-        }
-    }
-    return sum / (times * times);
-}
-
 }  // namespace
 
 std::vector<SphereStudyRow> time_over_views(const SpherePart& part, std::span<const ReferenceView> views, int repeats) {
@@ -108,7 +82,7 @@ SphereCheckRow check_against_rays(const SphereCaster& spheres, std::span<const R
     RowSums sum;
     for (const ReferenceView& view : views) {
         if (stop_requested()) throw InputError("", "stopped by a signal");
-        const ImageF picture = drawn(view), fine = drawn(finer(view, options.drawn_side));
+        const ImageF picture = drawn(view);
         const int rows = (view.height() + options.stride_px - 1) / options.stride_px;
         std::vector<RowSums> sums(static_cast<std::size_t>(rows));
         parallel_for(rows, [&](int row) {
@@ -126,7 +100,7 @@ SphereCheckRow check_against_rays(const SphereCaster& spheres, std::span<const R
                 for (const SphereShare& share : reference_coverage(spheres, view, x, y, options.coverage_side)) {
                     if (share.id != no_sphere) covered += share.share;
                 }
-                const double off = std::abs(covered - drawn_coverage(fine, x, y, options.drawn_side));
+                const double off = std::abs(covered - static_cast<double>(picture.at(x, y, 3)));
                 ++of_row.counts.edge_pixels;
                 of_row.counts.largest_coverage = std::max(of_row.counts.largest_coverage, off);
                 of_row.counts.over_a_sixteenth += off > 1.0 / 16 ? 1 : 0;

@@ -35,7 +35,6 @@ using DrawnSpheres = std::function<ImageF(const ReferenceView&)>;
 struct SphereCheckOptions {
     int stride_px = 4;       // every so many pixels of every so many rows are compared
     int coverage_side = 16;  // places a pixel, squared
-    int drawn_side = 4;      // pixels that are drawn along a pixel's side for the coverage at edges
     /// Pixels this near to an edge count as on it: what float rounding of a ray may miss.
     double margin_px = 0.02;
 };

@@ -191,6 +191,7 @@ struct Scene {
     QualityLevel quality = QualityLevel::final_;
     std::optional<ReflectionLevel> reflections;  // in place of the level's
     std::optional<bool> bounce;                  // likewise: whether light bounces between objects
+    std::optional<int> sphere_edges;             // places along a layer pixel's side, in place of the level's
     double transparency_tolerance = 1;           // codes of 255, of spheres that let light through
     std::optional<double> budget_ms;             // for a frame: chooses levels within it
     OutputSettings output;

@@ -219,6 +219,10 @@ const std::vector<Setting> own_settings = {
     {"quality", "bounce", of_kind(boolean), "", "",
      "light bounces between objects and onto the surface: needs rays; by the level unless given",
      [](Scene& s, const SettingValue& v) { s.bounce = v.boolean; }},
+    {"quality", "sphere_edges", between(integer, 0, 16), "", "",
+     "places along a drawn pixel's side that tell what covers it where spheres have edges; 0, 1: its middle; by the "
+     "level unless given",
+     [](Scene& s, const SettingValue& v) { s.sphere_edges = static_cast<int>(v.integer); }},
     {"quality", "transparency_tolerance", above(number, 0, 64), "codes of 255", "1",
      "how far spheres that let light through may be off, where light behind them is up to three stops above white",
      [](Scene& s, const SettingValue& v) { s.transparency_tolerance = v.number; }},

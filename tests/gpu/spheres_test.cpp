@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <random>
 
 #include <Eigen/Geometry>
 
@@ -14,10 +13,14 @@
 #include "render/surface.h"
 #include "render_scene.h"
 #include "scene/sphere_caster.h"
+#include "sphere_sets.h"
 
 namespace matchlight {
 namespace {
 
+using test::glowing;
+using test::random_set;
+using test::set_of;
 using test::TestCamera;
 
 class Spheres : public GlTest {
@@ -27,27 +30,6 @@ protected:
         return library;
     }
 };
-
-SphereSet set_of(std::vector<Sphere> spheres) {
-    SphereSet set;
-    set.name = "test";
-    set.spheres = std::move(spheres);
-    set.color = {1, 1, 1};  // as meshes have it
-    set.update_bounds();
-    return set;
-}
-
-/// In a unit cube about the origin.
-SphereSet random_set(std::size_t count, float least_radius, float most_radius) {
-    std::mt19937_64 random(7);
-    const auto uniform = [&] { return static_cast<float>(static_cast<double>(random() >> 11) * 0x1p-53); };
-    std::vector<Sphere> spheres(count);
-    for (Sphere& sphere : spheres) {
-        for (float& along : sphere.centre_m) along = uniform() - 0.5F;
-        sphere.radius_m = least_radius + (most_radius - least_radius) * uniform();
-    }
-    return set_of(std::move(spheres));
-}
 
 const TestCamera camera{{0.1, -2, 0.3}, {0, 1, 0}, {1, 0, 0}, 257, 300};
 
@@ -292,14 +274,6 @@ TEST_F(Spheres, what_maps_of_shadow_pass_over_changes_no_texel) {
     EXPECT_GT(*std::ranges::max_element(maps[0].samples()), 0.5F);
 }
 
-/// Sends out the same light everywhere and mirrors none.
-MaterialOverride glowing(const std::array<double, 3>& light) {
-    MaterialOverride material;
-    material.diffuse = material.specular = {0, 0, 0};
-    material.emissive = light;
-    return material;
-}
-
 struct PeelingTest : Spheres {
     Environment environment{shaders(), test::uniform_probe(1)};
     SurfaceRenderer surfaces{shaders()};
@@ -310,6 +284,31 @@ struct PeelingTest : Spheres {
         return picture.color->read<float>({0, 0, from.size, from.size}, 4);
     }
 };
+
+TEST_F(PeelingTest, lists_show_what_peeling_shows) {
+    from.size = 33;
+    from.focal_px = 40;
+    SphereSet set = random_set(600, 0.03F, 0.15F);
+    set.opacity = 0.2F;
+    // Some at one place.
+    for (std::size_t i = 0; i < 100; ++i) set.spheres[i] = set.spheres[i + 100];
+    Model mesh = test::make_sphere(0.3);
+    surfaces.add_object({.model = &mesh, .material = glowing({0, 1, 0}), .id = 1});
+    surfaces.add_spheres({.material = glowing({1, 0.5, 0.2}), .id = 2}, set);
+    for (const double residual : {1e-4, 0.1}) {
+        surfaces.set_peeling(residual, 1000, LayerSearch::peeling);
+        const ImageF peeled = draw();
+        const int layers = surfaces.peeled_layers();
+        // All rows at once, a few at a time, and rows that no buffer holds.
+        for (const std::uint32_t most : {0U, 2000U, 10U}) {
+            surfaces.sphere_lists().limit_entries(most);
+            surfaces.set_peeling(residual, 1000, LayerSearch::lists);
+            const ImageF listed = draw();
+            EXPECT_TRUE(std::ranges::equal(peeled.samples(), listed.samples())) << residual << ", " << most;
+            EXPECT_LE(surfaces.peeled_layers(), layers);
+        }
+    }
+}
 
 TEST_F(PeelingTest, layers_add_up_in_the_order_of_the_ray) {
     const std::array<std::array<double, 3>, 2> lights{{{1, 0.2, 0}, {0, 0.3, 0.8}}};
@@ -359,7 +358,7 @@ TEST_F(PeelingTest, what_is_passed_over_changes_no_pixel) {
     SphereSet set = random_set(150'000, 0.004F, 0.012F);
     set.opacity = 0.5F;
     surfaces.add_spheres({.material = glowing({1, 0.5, 0.2})}, set);
-    surfaces.set_peeling(0.01, 12);
+    surfaces.set_peeling(0.01, 12, LayerSearch::peeling);
     surfaces.spheres()->visibility = {.frustum = false, .occlusion = false};
     const ImageF all = draw();
     const std::size_t all_cells = surfaces.spheres()->culling().cells_drawn();

@@ -1,0 +1,22 @@
+#version 450 core
+// Every sphere that a pixel meets: counts them (COUNT), or keeps them (KEEP). Links with spheres/sphere.vert.
+#include "spheres/meet.glsl"
+
+// What lies wholly behind what is opaque is left out; of what reaches out of it the rest is left to who asks.
+layout(early_fragment_tests) in;
+
+layout(binding = 0, r32ui) uniform uimage2D counts;
+#ifdef KEEP
+layout(binding = 1, r32ui) uniform readonly uimage2D starts;
+layout(std430, binding = 1) writeonly buffer Entries { uvec2 entries[]; };
+#endif
+
+void main() {
+    float depth = meet_depth();
+    if (depth < 0.0) discard;
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    uint place = imageAtomicAdd(counts, pixel, 1u);
+#ifdef KEEP
+    entries[imageLoad(starts, pixel).r + place] = uvec2(sphere_id, floatBitsToUint(depth));
+#endif
+}
