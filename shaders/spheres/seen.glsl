@@ -1,13 +1,21 @@
-// What a pixel sees of a set of spheres: in place of what a mesh's vertices tell.
+// What a pixel sees of a set of spheres, of which a picture was made before or (DRAWN) one is drawn: in place of what a
+// mesh's vertices tell.
 #include "spheres/ray.glsl"
-
+#ifdef DRAWN
+#include "spheres/meet.glsl"
+// The true depth lies behind the front of what sphere.vert draws.
+layout(depth_less) out float gl_FragDepth;
+#else
 uniform usampler2D seen_spheres;   // which sphere (spheres/visible.frag)
 uniform sampler2D seen_depth;      // near_m / z
+uniform uint end_id;               // of the set
+#endif
+uniform uint first_id;
+
 uniform samplerBuffer spheres;     // centre, radius
 uniform samplerBuffer sphere_colors;  // sRGB-coded
 uniform samplerBuffer sphere_opacities;
 uniform bool has_sphere_colors, has_sphere_opacities;
-uniform uint first_id, end_id;     // of the set
 uniform vec3 eye_high, eye_low;    // in the set's axes
 uniform mat4 world_from_model;
 
@@ -35,11 +43,17 @@ float linear_from_srgb(float code) { return code <= 0.04045 ? code / 12.92 : pow
 
 // False where the pixel sees nothing of this set.
 bool see() {
+#ifdef DRAWN
+    int number = int(sphere_id - first_id);
+    fragment_depth = meet_depth();
+    if (fragment_depth < 0.0) return false;
+#else
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     uint id = texelFetch(seen_spheres, pixel, 0).r;
     if (id < first_id || id >= end_id) return false;
     int number = int(id - first_id);
     fragment_depth = texelFetch(seen_depth, pixel, 0).r;
+#endif
     vec4 sphere = texelFetch(spheres, number);
     sphere_from_eye = vec4((eye_high - sphere.xyz) + eye_low, sphere.w);
     vec3 direction = ray_direction(picture_ndc());

@@ -41,6 +41,9 @@ uniform vec3 classic_diffuse = vec3(0.0);   // Od
 uniform vec3 classic_specular = vec3(0.0);  // Ks
 
 layout(location = 0) out vec4 color;
+#ifdef BLENDED
+#include "spheres/blended.glsl"
+#endif
 #ifdef LENS
 layout(location = 1) out vec4 focus_share;  // r: near_m / z that has the circle of confusion of what is seen, times a
 #endif
@@ -231,6 +234,10 @@ void main() {
     vec4 base = base_color_at(material_uv, vertex_color);
     if (base.a < alpha_cutoff) discard;
     float alpha = alpha_blends ? clamp(base.a, 0.0, 1.0) : 1.0;
+#ifdef GATHER_MOMENTS
+    color = blended(vec3(0.0), alpha);
+    return;
+#endif
 
 #ifdef UNLIT
     color = vec4(min(max(base.rgb, vec3(0.0)), vec3(largest_half)) * alpha, alpha);
@@ -343,6 +350,10 @@ void main() {
 #ifdef COVERAGE
     coverage = vec4(alpha);
 #endif
+#ifdef BLENDED
+    color = blended(min(radiance, vec3(largest_half)), alpha);
+#else
     color = vec4(min(radiance, vec3(largest_half)) * alpha, alpha);
+#endif
 #endif
 }

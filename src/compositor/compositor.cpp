@@ -106,7 +106,7 @@ ObjectPreparation Compositor::Impl::object_preparation(const Scene& of_scene) co
 void Compositor::Impl::load_objects(Warnings& the_warnings) {
     scene_objects.emplace(surfaces, scene, solve, start(), object_preparation(scene), the_warnings);
     if (surfaces.any_spheres())
-        surfaces.set_peeling(peeling_residual(scene.transparency_tolerance), most_peeled_layers);
+        surfaces.set_peeling(peeling_residual(scene.transparency_tolerance), most_peeled_layers, scene.transparency);
 }
 
 void Compositor::Impl::make_light() {

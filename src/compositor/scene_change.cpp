@@ -51,7 +51,7 @@ bool loads_otherwise(const Scene& before, const Scene& after) {
                          before.probe.has_value() != after.probe.has_value() || probe_file(before) != probe_file(after);
     const bool of_quality = before.quality != after.quality || before.reflections != after.reflections ||
                             before.bounce != after.bounce || before.sphere_edges != after.sphere_edges ||
-                            before.budget_ms != after.budget_ms ||
+                            before.budget_ms != after.budget_ms || before.transparency != after.transparency ||
                             before.transparency_tolerance != after.transparency_tolerance;
     return of_clip || of_quality || !std::ranges::equal(before.objects, after.objects, {}, loaded_part, loaded_part);
 }

@@ -15,8 +15,6 @@ constexpr std::array<double, 5> round_ends{1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 
 /// With fewer spheres the tests cost more than what they save.
 constexpr std::uint32_t fewest_to_cull = 100'000;
 
-constexpr GLuint sphere_unit = 0;
-
 int groups_of(int size, int group) {
     return (size + group - 1) / group;
 }
@@ -36,7 +34,7 @@ void DepthPyramid::build(ShaderLibrary& shaders, const Texture2D& depth, int wid
     used_levels_ = 0;
     int finer_width = width, finer_height = height;
     while (used_levels_ == 0 || finer_width > 1 || finer_height > 1) {
-        program.bind_texture("finer", sphere_unit, used_levels_ == 0 ? depth : levels_);
+        program.bind_texture("finer", sphere_geometry_unit, used_levels_ == 0 ? depth : levels_);
         program.set("finer_size", Eigen::Vector2i(finer_width, finer_height));
         program.set("finer_level", std::max(used_levels_ - 1, 0));
         levels_.bind_image(0, GL_WRITE_ONLY, used_levels_);
@@ -140,7 +138,7 @@ void SphereCulling::draw_round(const Drawn& drawn, const List& list, std::size_t
     if (first == end) return;
     Program& program = list.is_points ? drawn.points : drawn.triangles;
     program.use();
-    drawn.geometry.bind(program, sphere_unit);
+    drawn.geometry.bind(program);
     list.is_points ? drawn.geometry.bind_points() : drawn.geometry.bind_triangles();
     glEnable(GL_PROGRAM_POINT_SIZE);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, list.draws.name());
@@ -158,7 +156,7 @@ void SphereCulling::cull(const Drawn& drawn, const DepthPyramid& pyramid, const 
                                                                  : ShaderDefines{});
     program.use();
     drawn.rays.set(program);
-    pyramid.bind(program, sphere_unit);
+    pyramid.bind(program, sphere_geometry_unit);
     program.set("first_draw", static_cast<int>(first));
     program.set("draw_count", static_cast<int>(end - first));
     list.draws.bind(GL_SHADER_STORAGE_BUFFER, 0);

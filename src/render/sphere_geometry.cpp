@@ -61,14 +61,14 @@ SphereGeometry::SphereGeometry(const SphereSet& set)
     }
 }
 
-void SphereGeometry::bind(Program& program, GLuint first_unit) const {
-    sphere_texels_.bind(first_unit);
-    program.set("spheres", static_cast<int>(first_unit));
-    (has_colors_ ? color_texels_ : sphere_texels_).bind(first_unit + 1);
-    program.set("sphere_colors", static_cast<int>(first_unit + 1));
+void SphereGeometry::bind(Program& program) const {
+    sphere_texels_.bind(sphere_geometry_unit);
+    program.set("spheres", static_cast<int>(sphere_geometry_unit));
+    (has_colors_ ? color_texels_ : sphere_texels_).bind(sphere_geometry_unit + 1);
+    program.set("sphere_colors", static_cast<int>(sphere_geometry_unit + 1));
     program.set("has_sphere_colors", has_colors_);
-    (has_opacities_ ? opacity_texels_ : sphere_texels_).bind(first_unit + 2);
-    program.set("sphere_opacities", static_cast<int>(first_unit + 2));
+    (has_opacities_ ? opacity_texels_ : sphere_texels_).bind(sphere_geometry_unit + 2);
+    program.set("sphere_opacities", static_cast<int>(sphere_geometry_unit + 2));
     program.set("has_sphere_opacities", has_opacities_);
 }
 

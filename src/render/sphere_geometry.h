@@ -11,6 +11,9 @@
 
 namespace matchlight {
 
+/// The first of three: beyond those that light and materials have in the programs of surface shading.
+inline constexpr GLuint sphere_geometry_unit = 27;
+
 class SphereGeometry {
 public:
     /// `set` is only read while adding. Throws InputError when the driver cannot hold as many.
@@ -25,8 +28,8 @@ public:
     /// Without attributes: for triangles, whose shader fetches spheres.
     void bind_triangles() const { triangles_.bind(); }
     /// `spheres` and, where spheres have colours and opacities of their own, `sphere_colors` and `sphere_opacities`:
-    /// samplerBuffers at three units.
-    void bind(Program& program, GLuint first_unit) const;
+    /// samplerBuffers from `sphere_geometry_unit`.
+    void bind(Program& program) const;
 
 private:
     std::uint32_t size_;

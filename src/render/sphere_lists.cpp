@@ -8,7 +8,7 @@ namespace matchlight {
 
 namespace {
 
-/// After the units of the geometry.
+/// These programs have neither light nor material.
 constexpr GLuint picture_unit = 3;
 constexpr GLuint counts_image = 0, starts_image = 1;
 constexpr GLuint total_buffer = 0, entries_buffer = 1;

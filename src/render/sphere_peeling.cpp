@@ -91,7 +91,7 @@ int SpherePeeling::peel(const Peeled& peeled) {
         return layer == 0 ? peeled.sets.see(peeled.placed, peeled.width, peeled.height)
                           : peeled.sets.see_next(peeled.placed, peeled.width, peeled.height, light_, enough);
     };
-    if (peeled.search == LayerSearch::peeling) return peel_rows(peeled, 0, peeled.height, by_peeling);
+    if (peeled.method == TransparencyMethod::peeling) return peel_rows(peeled, 0, peeled.height, by_peeling);
 
     int layers = 0;
     if (listed_rows_ == 0) listed_rows_ = peeled.height;

@@ -12,11 +12,9 @@
 #include "gl/framebuffer.h"
 #include "render/sphere_lists.h"
 #include "render/sphere_sets.h"
+#include "scene/scene_file.h"
 
 namespace matchlight {
-
-/// How the layers are found; the picture is the same.
-enum class LayerSearch { lists, peeling };
 
 class SpherePeeling {
 public:
@@ -29,8 +27,8 @@ public:
         const Texture2D& opaque_depth;  // what lies behind is hidden; of a size that holds the picture
         double residual = 0;            // transmittance
         int most_layers = 0;
-        /// Lists that no buffer holds are made for fewer rows at a time.
-        LayerSearch search = LayerSearch::lists;
+        /// Lists or peeling. Lists that no buffer holds are made for fewer rows at a time.
+        TransparencyMethod method = TransparencyMethod::lists;
         /// Draws the layer's light, premultiplied, with its depth, into what is bound.
         std::function<void(const SeenSpheres&)> light;
     };

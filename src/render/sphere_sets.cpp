@@ -13,7 +13,7 @@ namespace matchlight {
 
 namespace {
 
-/// After the units of the geometry.
+/// These programs have neither light nor material.
 constexpr GLuint peeling_unit = 3;
 
 void set_depth_state() {

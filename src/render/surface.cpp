@@ -15,6 +15,7 @@ SurfaceRenderer::SurfaceRenderer(ShaderLibrary& shaders)
       targets_(std::make_unique<Targets>()),
       holdout_targets_(std::make_unique<Targets>()),
       peeling_(shaders),
+      blending_(shaders),
       sphere_edges_(shaders) {}
 SurfaceRenderer::~SurfaceRenderer() = default;
 

@@ -14,6 +14,7 @@
 #include "gl/shader_library.h"
 #include "render/effects/depth_of_field.h"
 #include "render/environment.h"
+#include "render/sphere_blending.h"
 #include "render/sphere_edges.h"
 #include "render/sphere_peeling.h"
 #include "render/sphere_sets.h"
@@ -157,7 +158,7 @@ public:
     std::size_t add_spheres(const SurfaceObject& object, const SphereSet& set);
     bool any_spheres() const;
     /// What light spheres that are peeled may let through unseen, and how many layers are the most.
-    void set_peeling(double residual, int most_layers, LayerSearch search = LayerSearch::lists);
+    void set_peeling(double residual, int most_layers, TransparencyMethod method = TransparencyMethod::lists);
     int peeled_layers() const { return peeled_layers_; }  // by the last draw
     /// How they are drawn: what is passed over, for reports and tests. Null where there are none.
     SphereSets* spheres() { return spheres_.get(); }
@@ -268,6 +269,9 @@ private:
     /// The programs for light, with what they read set.
     Programs light_programs(const Environment& environment, const SurfaceView& view,
                             const SurfaceShading& shading) const;
+    static ShaderDefines light_defines(const SurfaceView& view, const SurfaceShading& shading);
+    static void set_light(Program& program, const Environment& environment, const SurfaceView& view,
+                          const SurfaceShading& shading);
     using PlaceMore = std::function<void(Program&, std::size_t)>;
     /// Sets what a program needs to know of an object; `place_more` what else it needs, by the object's index.
     void place(Program& program, const SurfaceView& view, const Object& object, const PlaceMore& place_more) const;
@@ -279,10 +283,20 @@ private:
     std::vector<PlacedSpheres> placed_spheres(const SurfaceView& view,
                                               const std::function<bool(const Object&)>& of) const;
     bool any_spheres_blend() const;
-    /// Peels spheres that let light through off what is before the depth of `target`, and puts them over it.
-    void draw_peeled_spheres(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading,
-                             const Framebuffer& target);
+    /// Puts spheres that let light through and are before the depth of `target` over it.
+    void draw_transparent_spheres(const Environment& environment, const SurfaceView& view,
+                                  const SurfaceShading& shading, const Framebuffer& target);
     void draw_seen_spheres(Program& program, const SurfaceView& view, const PlaceMore& place_more) const;
+    /// What draws one set of spheres needs to know of it, but for where it is seen.
+    void place_spheres(Program& program, const SurfaceView& view, const Object& object,
+                       const PlaceMore& place_more) const;
+    /// Of spheres that let light through, one layer: what peel or blend made of them.
+    struct SphereLayer {
+        const Texture2D& light;
+        const Texture2D& first_depth_share;
+    };
+    SphereLayer peel_spheres(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading);
+    SphereLayer blend_spheres(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading);
     /// Mixes pixels of what draw() drew where the spheres that it saw have their edges.
     void soften_sphere_edges(const SurfaceView& view, const Texture2D& depth);
     bool softens_sphere_edges(const SurfaceView& view) const;
@@ -307,10 +321,11 @@ private:
     std::unique_ptr<SphereSets> spheres_;
     SeenSpheres seen_spheres_;
     SpherePeeling peeling_;
+    SphereBlending blending_;
     SphereEdges sphere_edges_;
     double peeling_residual_ = 1.0 / 255 / 64;  // half a code in the darkest part of the sRGB curve, and less elsewhere
     int most_peeled_layers_ = 4096;
-    LayerSearch layer_search_ = LayerSearch::lists;
+    TransparencyMethod transparency_ = TransparencyMethod::lists;
     int peeled_layers_ = 0;
 };
 

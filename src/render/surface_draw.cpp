@@ -198,25 +198,35 @@ SurfaceRenderer::Programs SurfaceRenderer::programs(const std::string& fragment,
     return {meshes, &spheres};
 }
 
-SurfaceRenderer::Programs SurfaceRenderer::light_programs(const Environment& environment, const SurfaceView& view,
-                                                          const SurfaceShading& shading) const {
+ShaderDefines SurfaceRenderer::light_defines(const SurfaceView& view, const SurfaceShading& shading) {
     ShaderDefines defines = view_defines(view);
     if (shading.shows_surface) defines["PLANE"] = "1";
     if (shading.traces_rays) defines["RAYS"] = "1";
+    return defines;
+}
+
+void SurfaceRenderer::set_light(Program& program, const Environment& environment, const SurfaceView& view,
+                                const SurfaceShading& shading) {
+    if (view.lens) set_lens(program, *view.lens);
+    program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));
+    environment.bind(program);
+    program.set("surface_shadow_present", 0);
+    program.set("surface_is_near", 0);
+    // Samplers of different kinds must not share a unit, even those that are not read.
+    program.set("object_shadow_depth", static_cast<int>(SurfaceShading::object_shadow_unit));
+    program.set("real_shadow_depth", static_cast<int>(SurfaceShading::object_shadow_unit + 1));
+    program.set("objects_shade", false);
+    if (shading.bind) shading.bind(program);
+}
+
+SurfaceRenderer::Programs SurfaceRenderer::light_programs(const Environment& environment, const SurfaceView& view,
+                                                          const SurfaceShading& shading) const {
     // Meshes without baked visibility see all the light.
     glVertexAttrib4f(5, 1, 1, 1, 1);
     const std::string fragment = "surface/surface.frag";
+    const ShaderDefines defines = light_defines(view, shading);
     const auto set_up = [&environment, &view, &shading](Program& program) {
-        if (view.lens) set_lens(program, *view.lens);
-        program.set("eye_world", Eigen::Vector3f(view.eye_world_m.cast<float>()));
-        environment.bind(program);
-        program.set("surface_shadow_present", 0);
-        program.set("surface_is_near", 0);
-        // Samplers of different kinds must not share a unit, even those that are not read.
-        program.set("object_shadow_depth", static_cast<int>(SurfaceShading::object_shadow_unit));
-        program.set("real_shadow_depth", static_cast<int>(SurfaceShading::object_shadow_unit + 1));
-        program.set("objects_shade", false);
-        if (shading.bind) shading.bind(program);
+        set_light(program, environment, view, shading);
     };
     Programs of_light = programs(fragment, defines, set_up);
     // Compiled and set up when the first mesh needs it.
@@ -264,7 +274,7 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     begin_drawing(*target, region, colors_of(view));
     draw_objects(programs, view, view.lens && view.lens->parts_transparent ? Drawn::opaque_light : Drawn::light);
     if (samples == 1) soften_sphere_edges(view, targets_->depth);
-    draw_peeled_spheres(environment, view, shading, *target);
+    draw_transparent_spheres(environment, view, shading, *target);
     if (samples > 1) {
         target->resolve_color_to(targets_->resolved, region);
         if (view.parts_coverage) target->resolve_color_to(targets_->covered.target, region, 1, 1);

@@ -1,6 +1,7 @@
 // Sets of spheres among the objects: seen first, then lit once a pixel by the shaders that light meshes.
 #include <algorithm>
 #include <cassert>
+#include <limits>
 #include <vector>
 
 #include "render/surface_object.h"
@@ -10,8 +11,8 @@ namespace matchlight {
 
 namespace {
 
-/// Of shaders/spheres/seen.glsl: after those of rays.
-constexpr GLuint seen_unit = 25, geometry_unit = 27;
+/// Of shaders/spheres/seen.glsl: after those of rays, before those of the geometry.
+constexpr GLuint seen_unit = 25;
 
 /// One material for all; what spheres have of their own multiplies it.
 Model material_model(const SphereSet& set) {
@@ -79,21 +80,16 @@ void SurfaceRenderer::see_spheres(const SurfaceView& view, SphereKind kind, cons
     seen_spheres_ = spheres_->see(placed, view.width, view.height, nearer_share);
 }
 
-void SurfaceRenderer::set_peeling(double residual, int most_layers, LayerSearch search) {
+void SurfaceRenderer::set_peeling(double residual, int most_layers, TransparencyMethod method) {
     peeling_residual_ = residual;
     most_peeled_layers_ = most_layers;
-    layer_search_ = search;
+    transparency_ = method;
 }
 
-void SurfaceRenderer::draw_peeled_spheres(const Environment& environment, const SurfaceView& view,
-                                          const SurfaceShading& shading, const Framebuffer& target) {
-    if (!any_spheres_blend()) return;
+SurfaceRenderer::SphereLayer SurfaceRenderer::peel_spheres(const Environment& environment, const SurfaceView& view,
+                                                           const SurfaceShading& shading) {
     const auto placed = placed_spheres(view, &Object::has_blending_spheres);
-    // How the lens blurs it, and what of it is virtual, is told of all layers at once.
-    SurfaceView of_light = view;
-    of_light.lens.reset();
-    of_light.parts_coverage = false;
-    Program& light = *light_programs(environment, of_light, shading).spheres;
+    Program& light = *light_programs(environment, view, shading).spheres;
     peeled_layers_ = peeling_.peel({.sets = *spheres_,
                                     .placed = placed,
                                     .width = view.width,
@@ -101,20 +97,102 @@ void SurfaceRenderer::draw_peeled_spheres(const Environment& environment, const 
                                     .opaque_depth = targets_->depth,
                                     .residual = peeling_residual_,
                                     .most_layers = most_peeled_layers_,
-                                    .search = layer_search_,
+                                    .method = transparency_,
                                     .light = [&](const SeenSpheres& layer) {
                                         seen_spheres_ = layer;
-                                        draw_seen_spheres(light, of_light, {});
+                                        draw_seen_spheres(light, view, {});
                                     }});
+    return {peeling_.light(), peeling_.first_depth_share()};
+}
+
+SurfaceRenderer::SphereLayer SurfaceRenderer::blend_spheres(const Environment& environment, const SurfaceView& view,
+                                                            const SurfaceShading& shading) {
+    // Along the camera's z: of the corners of boxes, behind the near plane.
+    double nearest_m = std::numeric_limits<double>::max(), farthest_m = 0;
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+        if (!objects_[i].has_blending_spheres()) continue;
+        const Eigen::AlignedBox3d box = sphere_bounds_m(objects_[i]);
+        for (int corner = 0; corner < 8; ++corner) {
+            const Eigen::Vector3d at = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+            const double z_m = view_of_object(view, i).clip_from_world.row(3) * at.homogeneous();
+            nearest_m = std::min(nearest_m, z_m);
+            farthest_m = std::max(farthest_m, z_m);
+        }
+    }
+    nearest_m = std::max(nearest_m, view.clip_from_world(2, 3));
+    farthest_m = std::max(farthest_m, 1.001 * nearest_m);
+    const auto draw = [&](const ShaderDefines& form, const std::function<void(Program&)>& set_up) {
+        ShaderDefines defines = light_defines(view, shading);
+        defines.insert(form.begin(), form.end());
+        for (const char* define : {"SPHERES", "DRAWN", "BLENDED"}) defines[define] = "1";
+        for (std::size_t i = 0; i < objects_.size(); ++i) {
+            const Object& object = objects_[i];
+            if (!object.has_blending_spheres()) continue;
+            const PlacedSpheres placed{*object.spheres, object.world_from_model,
+                                       view_of_object(view, i).clip_from_world};
+            spheres_->draw_each({.placed = std::span(&placed, 1),
+                                 .width = view.width,
+                                 .height = view.height,
+                                 .fragment = "surface/surface.frag",
+                                 .defines = defines,
+                                 .set_up =
+                                     [&](Program& program) {
+                                         set_light(program, environment, view, shading);
+                                         place_spheres(program, view, object, {});
+                                         set_up(program);
+                                     },
+                                 .depth = &targets_->depth,
+                                 .peeled = nullptr});
+        }
+    };
+    peeled_layers_ = 0;
+    blending_.blend({.method = transparency_,
+                     .width = view.width,
+                     .height = view.height,
+                     .opaque_depth = targets_->depth,
+                     .nearest_m = nearest_m,
+                     .farthest_m = farthest_m,
+                     .draw = draw});
+    const auto placed = placed_spheres(view, &Object::has_blending_spheres);
+    return {blending_.light(), *spheres_->see(placed, view.width, view.height).depth_share};
+}
+
+void SurfaceRenderer::draw_transparent_spheres(const Environment& environment, const SurfaceView& view,
+                                               const SurfaceShading& shading, const Framebuffer& target) {
+    if (!any_spheres_blend()) return;
+    // How the lens blurs it, and what of it is virtual, is told of all layers at once.
+    SurfaceView of_light = view;
+    of_light.lens.reset();
+    of_light.parts_coverage = false;
+    const bool keeps_order = transparency_ == TransparencyMethod::lists || transparency_ == TransparencyMethod::peeling;
+    const SphereLayer layer =
+        keeps_order ? peel_spheres(environment, of_light, shading) : blend_spheres(environment, of_light, shading);
     Program& over = shaders_.full_screen("surface/peeled.frag", view_defines(view));
     target.bind({0, 0, view.width, view.height});
     over.use();
-    over.bind_texture("peeled_light", seen_unit, peeling_.light());
-    over.bind_texture("first_depth", seen_unit + 1, peeling_.first_depth_share());
+    over.bind_texture("peeled_light", seen_unit, layer.light);
+    over.bind_texture("first_depth", seen_unit + 1, layer.first_depth_share);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // premultiplied
     triangle_.draw();
     glDisable(GL_BLEND);
+}
+
+void SurfaceRenderer::place_spheres(Program& program, const SurfaceView& view, const Object& object,
+                                    const PlaceMore& place_more) const {
+    const auto index = static_cast<std::size_t>(&object - objects_.data());
+    place(program, view, object, place_more);
+    SphereRays(
+        {.clip_from_world = view_of_object(view, index).clip_from_world, .width = view.width, .height = view.height},
+        object.world_from_model)
+        .set(program);
+    const SphereGeometry& geometry = spheres_->geometry(*object.spheres);
+    geometry.bind(program);
+    const std::uint32_t first_id = spheres_->first_id(*object.spheres);
+    program.set("first_id", first_id);
+    program.set("end_id", first_id + geometry.size());
+    object.materials.front().bind(program);
+    program.set("material_index", 0.0);
 }
 
 void SurfaceRenderer::draw_seen_spheres(Program& program, const SurfaceView& view, const PlaceMore& place_more) const {
@@ -122,21 +200,9 @@ void SurfaceRenderer::draw_seen_spheres(Program& program, const SurfaceView& vie
     program.bind_texture("seen_spheres", seen_unit, *seen_spheres_.id);
     program.bind_texture("seen_depth", seen_unit + 1, *seen_spheres_.depth_share);
     glDisable(GL_CULL_FACE);
-    for (std::size_t i = 0; i < objects_.size(); ++i) {
-        const Object& object = objects_[i];
+    for (const Object& object : objects_) {
         if (!object.is_spheres()) continue;
-        place(program, view, object, place_more);
-        SphereRays(
-            {.clip_from_world = view_of_object(view, i).clip_from_world, .width = view.width, .height = view.height},
-            object.world_from_model)
-            .set(program);
-        const SphereGeometry& geometry = spheres_->geometry(*object.spheres);
-        geometry.bind(program, geometry_unit);
-        const std::uint32_t first_id = spheres_->first_id(*object.spheres);
-        program.set("first_id", first_id);
-        program.set("end_id", first_id + geometry.size());
-        object.materials.front().bind(program);
-        program.set("material_index", 0.0);
+        place_spheres(program, view, object, place_more);
         triangle_.draw();
     }
 }

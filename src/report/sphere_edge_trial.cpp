@@ -70,8 +70,7 @@ EffectReport measure_sphere_edges(SphereStage& stage, const SphereCaster& rays, 
     report.region = {(view.width() - side) / 2, (view.height() - side) / 2, side, side};
     report.what = fmt::format(
         "Edges of spheres: places along a pixel's side at which the outlines of what it and its neighbours show are "
-        "met "
-        "again, or whole pictures of more pixels: a whole frame of {}×{} pixels, lit.",
+        "met again, or whole pictures of more pixels: a whole frame of {}×{} pixels, lit.",
         view.width(), view.height());
     report.reference = fmt::format("the mean of {0}×{0} rays a pixel in double precision", reference_side);
     const ReferenceView middle = cropped(view, report.region);

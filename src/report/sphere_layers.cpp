@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -55,7 +56,7 @@ struct Peeling {
     std::string name;
     double tolerance = 0, residual = 0;
     int most_layers = to_the_end;
-    LayerSearch search = LayerSearch::peeling;
+    TransparencyMethod method = TransparencyMethod::peeling;
 };
 
 SpherePart part_of(SphereStage& stage, const char* name, std::span<const Peeling> peelings) {
@@ -63,11 +64,13 @@ SpherePart part_of(SphereStage& stage, const char* name, std::span<const Peeling
     for (const Peeling& peeling : peelings) {
         part.ways.push_back({peeling.name,
                              [&stage, peeling](const ReferenceView& view) {
-                                 stage.set_peeling(peeling.residual, peeling.most_layers, peeling.search);
+                                 stage.set_peeling(peeling.residual, peeling.most_layers, peeling.method);
                                  stage.draw(view, {});
                              },
                              [&stage] {
-                                 return std::vector<Knob>{{"layers", static_cast<double>(stage.peeled_layers())}};
+                                 const int layers = stage.peeled_layers();
+                                 if (layers == 0) return std::vector<Knob>{};
+                                 return std::vector<Knob>{{"layers", static_cast<double>(layers)}};
                              }});
     }
     return part;
@@ -85,20 +88,24 @@ std::vector<Knob> left_out(const ImageF& whole, const ImageF& stopped) {
 }
 
 std::vector<Peeling> peelings_by_tolerance(const SphereStage& stage, bool quick) {
-    std::vector<Peeling> peelings{{"to the end", 0, hardly_any, to_the_end, LayerSearch::peeling},
-                                  {"lists, to the end", 0, hardly_any, to_the_end, LayerSearch::lists}};
+    std::vector<Peeling> peelings{{"to the end", 0, hardly_any, to_the_end, TransparencyMethod::peeling},
+                                  {"lists, to the end", 0, hardly_any, to_the_end, TransparencyMethod::lists}};
     const Eigen::Vector3d most_light = Eigen::Vector3d::Constant(stage.most_light());
     for (const double tolerance : {2.0, 8.0, 30.0}) {
         if (quick && tolerance != 8) continue;
         const double srgb = residual_of_tolerance(srgb_code, most_light, tolerance);
         const double linear = residual_of_tolerance(tolerance);
-        for (const LayerSearch search : {LayerSearch::peeling, LayerSearch::lists}) {
-            const char* const by = search == LayerSearch::lists ? "lists, " : "";
-            peelings.push_back({fmt::format("{}t = {:g}", by, tolerance), tolerance, srgb, to_the_end, search});
+        for (const TransparencyMethod method : {TransparencyMethod::peeling, TransparencyMethod::lists}) {
+            const char* const by = method == TransparencyMethod::lists ? "lists, " : "";
+            peelings.push_back({fmt::format("{}t = {:g}", by, tolerance), tolerance, srgb, to_the_end, method});
             peelings.push_back(
-                {fmt::format("{}t = {:g}, linear codes", by, tolerance), tolerance, linear, to_the_end, search});
+                {fmt::format("{}t = {:g}, linear codes", by, tolerance), tolerance, linear, to_the_end, method});
         }
     }
+    for (const auto& [name, method] : {std::pair("weighted sum", TransparencyMethod::weighted_sum),
+                                       std::pair("weighted blended", TransparencyMethod::weighted_blended),
+                                       std::pair("moments", TransparencyMethod::moments)})
+        peelings.push_back({name, 0, hardly_any, to_the_end, method});
     return peelings;
 }
 
@@ -114,8 +121,8 @@ LayerStudy measure_layers(SphereStage& stage, const SphereCaster& rays, std::spa
     std::vector<Peeling> by_layers;
     for (const int layers : {1, 2, 4, 8, 16, 32}) {
         if (quick && layers != 1 && layers != 8) continue;
-        by_layers.push_back(
-            {fmt::format("{} layer{}", layers, layers == 1 ? "" : "s"), 0, hardly_any, layers, LayerSearch::peeling});
+        by_layers.push_back({fmt::format("{} layer{}", layers, layers == 1 ? "" : "s"), 0, hardly_any, layers,
+                             TransparencyMethod::peeling});
     }
     study.rows = time_over_views(part_of(stage, "layers", by_layers), views, repeats);
     const std::vector<Peeling> by_tolerance = peelings_by_tolerance(stage, quick);
@@ -128,7 +135,8 @@ LayerStudy measure_layers(SphereStage& stage, const SphereCaster& rays, std::spa
     effect.region = {(view.width() - side) / 2, (view.height() - side) / 2, side, side};
     effect.what = fmt::format(
         "Spheres of opacity {:.6f}, peeled off from the front until no pixel lets more through than the tolerance t in "
-        "codes of 255 allows: a whole frame of {}×{} pixels. \"Linear codes\": as if codes were linear in light.",
+        "codes of 255 allows, or summed without an order: a whole frame of {}×{} pixels. \"Linear codes\": as if codes "
+        "were linear in light.",
         studied_opacity(), view.width(), view.height());
     effect.reference = "every sphere along the ray of each pixel's middle, in order, in double precision";
     const ImageF exact = exact_light(stage, rays, view, effect.region);

@@ -27,8 +27,8 @@ public:
     void see(const ReferenceView& view, const SphereVisibility& visibility);
     std::vector<Knob> drawn_cells();
     /// Where spheres let light through: how they are peeled from now on, and how many layers the last draw took.
-    void set_peeling(double residual, int most_layers, LayerSearch search) {
-        renderer_.set_peeling(residual, most_layers, search);
+    void set_peeling(double residual, int most_layers, TransparencyMethod method) {
+        renderer_.set_peeling(residual, most_layers, method);
     }
     /// Places along a pixel's side at edges from now on; 0 at first.
     void set_edge_places(int places) { edge_places_ = places; }

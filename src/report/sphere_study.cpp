@@ -67,8 +67,7 @@ std::string checks_html(const SphereStudy& study) {
     std::string html =
         "<p>Opaque pictures against the double-precision ray caster. Edges are silhouettes and the seams where spheres "
         "meet: there the covered share of the pixel, drawn by 8×8 places at edges, is compared, elsewhere the "
-        "picture's codes of "
-        "255.</p>"
+        "picture's codes of 255.</p>"
         "<table><tr><th class=\"word\">set</th><th class=\"word\">orbit</th><th>frames</th><th>pixels</th><th>at "
         "edges</th><th>largest difference, codes</th><th>pixels over 1</th><th>largest difference of coverage</th>"
         "<th>mean</th><th>pixels over 1/16</th></tr>";
@@ -111,8 +110,7 @@ std::string sphere_study_lines(const SphereStudy& study) {
     for (const SphereCheckRow& row : study.checks) {
         text += fmt::format(
             "  {:<12}{:<7}against rays: {:.3g} codes at most off edges ({} of {} pixels over 1); coverage {:.3g} at "
-            "most "
-            "at edges ({} of {} over 1/16)\n",
+            "most at edges ({} of {} over 1/16)\n",
             row.set, row.orbit, row.largest_codes, row.over_one_code, row.pixels - row.edge_pixels,
             row.largest_coverage, row.over_a_sixteenth, row.edge_pixels);
     }

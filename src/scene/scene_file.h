@@ -164,6 +164,10 @@ struct SurfaceSettings {
 
 enum class QualityLevel { draft, preview, final_, reference };
 
+/// How spheres that let light through are put together. Lists and peeling are exact, to the tolerance, and alike; the
+/// others keep no order.
+enum class TransparencyMethod { lists, peeling, weighted_sum, weighted_blended, moments };
+
 /// What is near in what objects mirror: nothing but where the probe saw it, the real surface as the clip shows it, the
 /// other objects by rays, too.
 enum class ReflectionLevel { environment, plane, rays };
@@ -192,8 +196,9 @@ struct Scene {
     std::optional<ReflectionLevel> reflections;  // in place of the level's
     std::optional<bool> bounce;                  // likewise: whether light bounces between objects
     std::optional<int> sphere_edges;             // places along a layer pixel's side, in place of the level's
-    double transparency_tolerance = 1;           // codes of 255, of spheres that let light through
-    std::optional<double> budget_ms;             // for a frame: chooses levels within it
+    TransparencyMethod transparency = TransparencyMethod::lists;
+    double transparency_tolerance = 1;  // codes of 255, of spheres that let light through
+    std::optional<double> budget_ms;    // for a frame: chooses levels within it
     OutputSettings output;
     std::string effective_toml;  // every setting with its value, defaults included: recorded in outputs
 };

@@ -223,6 +223,9 @@ const std::vector<Setting> own_settings = {
      "places along a drawn pixel's side that tell what covers it where spheres have edges; 0, 1: its middle; by the "
      "level unless given",
      [](Scene& s, const SettingValue& v) { s.sphere_edges = static_cast<int>(v.integer); }},
+    {"quality", "transparency", one_of({"lists", "peeling", "weighted_sum", "weighted_blended", "moments"}), "",
+     "\"lists\"", "of spheres: all that a pixel meets, or layer by layer, both exact; or sums that keep no order",
+     [](Scene& s, const SettingValue& v) { s.transparency = static_cast<TransparencyMethod>(v.choice); }},
     {"quality", "transparency_tolerance", above(number, 0, 64), "codes of 255", "1",
      "how far spheres that let light through may be off, where light behind them is up to three stops above white",
      [](Scene& s, const SettingValue& v) { s.transparency_tolerance = v.number; }},

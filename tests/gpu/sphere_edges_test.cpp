@@ -89,7 +89,7 @@ TEST_F(SphereEdgesTest, a_silhouette_covers_its_share_to_a_sixteenth) {
     const Errors middles = errors_of(draw(0)), shared = errors_of(draw(8));
     EXPECT_GT(middles.largest, 0.4);
     EXPECT_GT(shared.pixels, 150);
-    EXPECT_LT(shared.largest, sixteenth);
+    EXPECT_LE(shared.largest, sixteenth);
     EXPECT_LT(shared.mean, 0.012);
 }
 
@@ -99,7 +99,7 @@ TEST_F(SphereEdgesTest, where_spheres_hide_or_cut_each_other_each_has_its_share)
     add(set_of({{{0.1F, -0.9F, 0}, 0.1F}, {{-0.3F, 0.9F, 0.5F}, 0.4F}}));
     const Errors shared = errors_of(draw(8));
     EXPECT_GT(shared.pixels, 250);
-    EXPECT_LT(shared.largest, sixteenth);
+    EXPECT_LE(shared.largest, sixteenth);
 }
 
 TEST_F(SphereEdgesTest, a_horizon_of_a_million_radii_is_one) {
@@ -109,7 +109,7 @@ TEST_F(SphereEdgesTest, a_horizon_of_a_million_radii_is_one) {
     const Errors middles = errors_of(draw(0)), shared = errors_of(draw(8));
     EXPECT_GE(shared.pixels, from.size);
     EXPECT_GT(middles.largest, 0.3);
-    EXPECT_LT(shared.largest, sixteenth);
+    EXPECT_LE(shared.largest, sixteenth);
 }
 
 TEST_F(SphereEdgesTest, of_many_the_picture_is_nearer_to_the_truth) {

@@ -296,13 +296,13 @@ TEST_F(PeelingTest, lists_show_what_peeling_shows) {
     surfaces.add_object({.model = &mesh, .material = glowing({0, 1, 0}), .id = 1});
     surfaces.add_spheres({.material = glowing({1, 0.5, 0.2}), .id = 2}, set);
     for (const double residual : {1e-4, 0.1}) {
-        surfaces.set_peeling(residual, 1000, LayerSearch::peeling);
+        surfaces.set_peeling(residual, 1000, TransparencyMethod::peeling);
         const ImageF peeled = draw();
         const int layers = surfaces.peeled_layers();
         // All rows at once, a few at a time, and rows that no buffer holds.
         for (const std::uint32_t most : {0U, 2000U, 10U}) {
             surfaces.sphere_lists().limit_entries(most);
-            surfaces.set_peeling(residual, 1000, LayerSearch::lists);
+            surfaces.set_peeling(residual, 1000, TransparencyMethod::lists);
             const ImageF listed = draw();
             EXPECT_TRUE(std::ranges::equal(peeled.samples(), listed.samples())) << residual << ", " << most;
             EXPECT_LE(surfaces.peeled_layers(), layers);
@@ -358,7 +358,7 @@ TEST_F(PeelingTest, what_is_passed_over_changes_no_pixel) {
     SphereSet set = random_set(150'000, 0.004F, 0.012F);
     set.opacity = 0.5F;
     surfaces.add_spheres({.material = glowing({1, 0.5, 0.2})}, set);
-    surfaces.set_peeling(0.01, 12, LayerSearch::peeling);
+    surfaces.set_peeling(0.01, 12, TransparencyMethod::peeling);
     surfaces.spheres()->visibility = {.frustum = false, .occlusion = false};
     const ImageF all = draw();
     const std::size_t all_cells = surfaces.spheres()->culling().cells_drawn();

@@ -69,7 +69,8 @@ TEST_F(SceneFile, DefaultsHoldWhereNothingIsSaid) {
     EXPECT_TRUE(scene.surface.present && scene.surface.shadow);
     EXPECT_EQ(scene.surface.z_m, 0);
     EXPECT_EQ(scene.surface.reflection, 0);
-    EXPECT_FALSE(scene.reflections || scene.bounce);
+    EXPECT_FALSE(scene.reflections || scene.bounce || scene.sphere_edges);
+    EXPECT_EQ(scene.transparency, TransparencyMethod::lists);
     EXPECT_EQ(scene.quality, QualityLevel::final_);
     EXPECT_EQ(scene.output.codec, "h264");
     EXPECT_EQ(scene.output.preset, "medium");
@@ -146,6 +147,8 @@ reflection_roughness = 0.3
 level = "draft"
 reflections = "rays"
 bounce = false
+sphere_edges = 8
+transparency = "weighted_blended"
 [output]
 codec = "ffv1"
 crf = 18
@@ -207,6 +210,8 @@ audio = false
     EXPECT_EQ(scene.quality, QualityLevel::draft);
     EXPECT_EQ(scene.reflections, ReflectionLevel::rays);
     EXPECT_EQ(scene.bounce, false);
+    EXPECT_EQ(scene.sphere_edges, 8);
+    EXPECT_EQ(scene.transparency, TransparencyMethod::weighted_blended);
     EXPECT_EQ(scene.output.codec, "ffv1");
     EXPECT_EQ(scene.output.crf, 18);
     EXPECT_EQ(scene.output.pixel_format, "yuv444p");
@@ -272,6 +277,8 @@ TEST_F(SceneFile, WrongTypesAndRangesNameTheLine) {
         {"[surface]\nreflection_roughness = -0.1", "is -0.1, outside its range (number, from 0 to 1)"},
         {"[surface]\nreflection = true", "scene.toml:7: 'reflection' in [surface] is true, not number"},
         {"[quality]\nreflections = \"ray\"", "did you mean 'rays'?"},
+        {"[quality]\nsphere_edges = 17", "outside its range (whole number, from 0 to 16)"},
+        {"[quality]\ntransparency = \"moment\"", "did you mean 'moments'?"},
         {"[quality]\nbounce = 0", "scene.toml:7: 'bounce' in [quality] is 0, not true or false"},
         {"[surface]\nenabled = 1", "scene.toml:7: 'enabled' in [surface] is 1, not true or false"},
         {"[surface]\nz = 2000-01-01", "is a date or time, not number"},
