@@ -5,10 +5,10 @@
 // What lies wholly behind what is opaque is left out; of what reaches out of it the rest is left to who asks.
 layout(early_fragment_tests) in;
 
-layout(binding = 0, r32ui) uniform uimage2D counts;
+layout(binding = 2, r32ui) uniform uimage2D counts;
 #ifdef KEEP
-layout(binding = 1, r32ui) uniform readonly uimage2D starts;
-layout(std430, binding = 1) writeonly buffer Entries { uvec2 entries[]; };
+layout(binding = 3, r32ui) uniform readonly uimage2D starts;
+layout(std430, binding = 3) writeonly buffer Entries { uvec2 entries[]; };
 #endif
 
 void main() {

@@ -1,5 +1,5 @@
 // A pixel's spheres as a heap, the nearest on top; of those at one depth the first of the set.
-layout(std430, binding = 1) buffer Entries { uvec2 entries[]; };  // number, depth (near_m / z: larger is nearer)
+layout(std430, binding = 3) buffer Entries { uvec2 entries[]; };  // number, depth (near_m / z: larger is nearer)
 
 bool is_before(uvec2 a, uvec2 b) {
     // Depths are positive: their bits are in their order.

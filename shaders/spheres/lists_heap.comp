@@ -4,8 +4,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 #include "spheres/heap.glsl"
 
-layout(binding = 0, r32ui) uniform readonly uimage2D counts;
-layout(binding = 1, r32ui) uniform readonly uimage2D starts;
+layout(binding = 2, r32ui) uniform readonly uimage2D counts;
+layout(binding = 3, r32ui) uniform readonly uimage2D starts;
 uniform int first_row;
 uniform ivec2 size_px;
 

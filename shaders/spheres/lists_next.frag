@@ -2,8 +2,8 @@
 // Takes the nearest sphere away from each pixel's.
 #include "spheres/heap.glsl"
 
-layout(binding = 0, r32ui) uniform uimage2D counts;
-layout(binding = 1, r32ui) uniform readonly uimage2D starts;
+layout(binding = 2, r32ui) uniform uimage2D counts;
+layout(binding = 3, r32ui) uniform readonly uimage2D starts;
 uniform bool is_first;
 uniform sampler2D covered;  // by the layers in front: alpha
 uniform float enough;

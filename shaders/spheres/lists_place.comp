@@ -2,9 +2,9 @@
 // Gives each pixel the place of its spheres among those of all, and counts from 0 again.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(binding = 0, r32ui) uniform uimage2D counts;
-layout(binding = 1, r32ui) uniform uimage2D starts;
-layout(std430, binding = 0) buffer Total { uint total, wrapped; };
+layout(binding = 2, r32ui) uniform uimage2D counts;
+layout(binding = 3, r32ui) uniform uimage2D starts;
+layout(std430, binding = 2) buffer Total { uint total, wrapped; };
 uniform int first_row;
 uniform ivec2 size_px;
 

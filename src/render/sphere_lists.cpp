@@ -10,8 +10,9 @@ namespace {
 
 /// These programs have neither light nor material.
 constexpr GLuint picture_unit = 3;
-constexpr GLuint counts_image = 0, starts_image = 1;
-constexpr GLuint total_buffer = 0, entries_buffer = 1;
+/// Culling binds others of its own between draws.
+constexpr GLuint counts_image = 2, starts_image = 3;
+constexpr GLuint total_buffer = 2, entries_buffer = 3;
 
 struct Entry {
     std::uint32_t id = 0;

@@ -310,6 +310,20 @@ TEST_F(PeelingTest, lists_show_what_peeling_shows) {
     }
 }
 
+TEST_F(PeelingTest, lists_show_what_peeling_shows_where_cells_are_passed_over) {
+    from.size = 33;
+    from.focal_px = 40;
+    SphereSet set = random_set(150'000, 0.004F, 0.012F);
+    set.opacity = 0.5F;
+    Model mesh = test::make_sphere(0.4);
+    surfaces.add_object({.model = &mesh, .material = glowing({0, 1, 0}), .id = 1});
+    surfaces.add_spheres({.material = glowing({1, 0.5, 0.2}), .id = 2}, set);
+    surfaces.set_peeling(0.01, 12, TransparencyMethod::peeling);
+    const ImageF peeled = draw();
+    surfaces.set_peeling(0.01, 12, TransparencyMethod::lists);
+    EXPECT_TRUE(std::ranges::equal(peeled.samples(), draw().samples()));
+}
+
 TEST_F(PeelingTest, layers_add_up_in_the_order_of_the_ray) {
     const std::array<std::array<double, 3>, 2> lights{{{1, 0.2, 0}, {0, 0.3, 0.8}}};
     std::array<SphereSet, 2> sets{random_set(150, 0.05F, 0.15F), random_set(200, 0.03F, 0.12F)};
