@@ -277,6 +277,20 @@ bool Compositor::set_dragging(bool dragging) {
     return impl_->set_dragging(dragging);
 }
 
+void Compositor::set_pose(std::int64_t frame, const RigidTransform& camera_from_world) {
+    for (SolvedFrame& solved : impl_->solve.frames) {
+        if (solved.frame == frame) solved.camera_from_world = camera_from_world;
+    }
+}
+
+void Compositor::watch(const std::string& pass) {
+    impl_->graph.watch(pass);
+}
+
+const std::optional<WatchedTexture>& Compositor::watched() const {
+    return impl_->graph.watched();
+}
+
 void Compositor::set_timed(bool timed) {
     impl_->options.timed = timed;
 }

@@ -121,6 +121,11 @@ public:
     /// While true, set_scene() makes coarse shadows and reflections, and leaves shadows between objects and the
     /// gathered surface as they were; once false again, the next frame is exact. False as set_scene() says it.
     bool set_dragging(bool dragging);
+    /// Where the camera of a frame stands from now on, instead of where the solve or the scene has it.
+    void set_pose(std::int64_t frame, const RigidTransform& camera_from_world);
+    /// As RenderGraph::watch(), from the next frame on, and watched().
+    void watch(const std::string& pass);
+    const std::optional<WatchedTexture>& watched() const;
     /// As CompositorOptions::timed, from the next frame on.
     void set_timed(bool timed);
     /// Makes programs anew whose shader files changed; the next frame is drawn with them, and with new maps of what the

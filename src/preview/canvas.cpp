@@ -87,7 +87,11 @@ void Canvas::lay_out(const Region& area, float scale) {
     const bool hovered = ImGui::IsItemHovered(), active = ImGui::IsItemActive();
     const ImGuiIO& io = ImGui::GetIO();
     const Eigen::Vector2d pointer(io.MousePos.x, io.MousePos.y);
-    if (hovered && io.MouseWheel != 0) zoom_about(pointer, std::pow(wheel_factor, io.MouseWheel), area);
+    motion_ = {};
+    if (hovered && leads_camera) motion_.wheel = io.MouseWheel;
+    if (hovered && !leads_camera && io.MouseWheel != 0) {
+        zoom_about(pointer, std::pow(wheel_factor, io.MouseWheel), area);
+    }
     const bool at_wipe = wipe && hovered && std::abs(pointer.x() - wipe_x(area)) <= wipe_reach_px * scale;
     if (at_wipe && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) moves_wipe_ = true;
     if (!ImGui::IsMouseDown(ImGuiMouseButton_Left)) moves_wipe_ = false;
@@ -95,7 +99,8 @@ void Canvas::lay_out(const Region& area, float scale) {
     hand_is_free_ = active && !moves_wipe_ && ImGui::IsMouseDown(ImGuiMouseButton_Left);
     const bool pans = active && (ImGui::IsMouseDragging(ImGuiMouseButton_Middle, 0) ||
                                  ImGui::IsMouseDragging(ImGuiMouseButton_Right, 0));
-    if (pans && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) {
+    if (pans && leads_camera) motion_.drag_px = {io.MouseDelta.x, io.MouseDelta.y};
+    if (pans && !leads_camera && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) {
         if (!zoom_) zoom_about(pointer, 1, area);
         middle_ -= Eigen::Vector2d(io.MouseDelta.x, io.MouseDelta.y) / *zoom_;
     }
@@ -117,9 +122,9 @@ void Canvas::lay_out(const Region& area, float scale) {
 void Canvas::draw(PictureView& view, const Region& area) {
     const auto has = [&](ShownKind kind) { return has_[static_cast<std::size_t>(kind)]; };
     const Eigen::Vector4f at = place(area);
-    const ShownKind kind = has(shown) ? shown : ShownKind::composite;
+    const ShownKind kind = has(ShownKind::texture) ? ShownKind::texture : has(shown) ? shown : ShownKind::composite;
     if (has(kind)) view.draw(picture(kind), at, area);
-    if (!wipe || !has(ShownKind::composite)) return;
+    if (!wipe || !has(ShownKind::composite) || leads_camera) return;
     // Of the composite with itself nothing could be seen: the plate is on the right.
     if (kind == ShownKind::composite && has(ShownKind::plate)) view.draw(picture(ShownKind::plate), at, area);
     Region left = area;

@@ -12,7 +12,13 @@
 
 namespace matchlight {
 
-enum class ShownKind { composite, plate, truth, difference };
+enum class ShownKind { composite, plate, truth, difference, texture };
+
+/// What a hand does to the picture as a whole.
+struct CanvasMotion {
+    Eigen::Vector2d drag_px = Eigen::Vector2d::Zero();  // right or middle button, window pixels of this frame
+    double wheel = 0;                                   // steps
+};
 
 class Canvas {
 public:
@@ -22,7 +28,8 @@ public:
 
     // What is to be shown.
     ShownKind shown = ShownKind::composite;
-    bool wipe = false;  // the composite on the left of a line
+    bool wipe = false;          // the composite on the left of a line
+    bool leads_camera = false;  // drags and the wheel are a camera's, and do not zoom
     void fit() { zoom_.reset(); }
     /// Window pixels for one of the picture, about its middle.
     void set_zoom(double zoom);
@@ -40,6 +47,8 @@ public:
     const std::optional<Eigen::Vector2i>& hovered() const { return hovered_; }
     /// Whether the pointer's left button went down on the picture, or is held since, and nothing else here takes it.
     bool hand_is_free() const { return hand_is_free_; }
+    /// Of this frame, where it leads a camera.
+    const CanvasMotion& motion() const { return motion_; }
     double zoom(const Region& area) const { return place(area)[3] / picture_px_.y(); }
 
 private:
@@ -47,8 +56,8 @@ private:
     void zoom_about(const Eigen::Vector2d& window_px, double factor, const Region& area);
     double wipe_x(const Region& area) const;
 
-    std::array<ShownPicture, 4> pictures_;
-    std::array<bool, 4> has_{};
+    std::array<ShownPicture, 5> pictures_;
+    std::array<bool, 5> has_{};
     PictureSize displayed_{1, 1};
     Eigen::Vector2i picture_px_ = Eigen::Vector2i::Ones();
     std::optional<double> zoom_;                        // absent: it fits
@@ -56,6 +65,7 @@ private:
     double wipe_share_ = 0.5;                           // of the area's width
     bool moves_wipe_ = false;
     bool hand_is_free_ = false;
+    CanvasMotion motion_;
     std::optional<Eigen::Vector2i> hovered_;
 };
 

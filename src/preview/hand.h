@@ -23,6 +23,7 @@ public:
 
     /// What is held, or would be; empty: nothing.
     const std::string& says() const { return says_; }
+    bool holds() const { return held_.has_value() || focuses_; }
     /// Whether it knows all objects that could be picked.
     bool idle() const { return !loading_.valid(); }
 

@@ -33,6 +33,7 @@ std::span<const PreviewKey> preview_keys() {
         {"w", 0, wipe, "wipe between the composite and the plate (or what is shown instead), or not"},
         {"1", 0, whole_pixels, "a pixel of the picture is one of the screen"},
         {"0", 0, fit, "the whole picture"},
+        {"v", 0, free_view, "leave the footage and fly around the scene, or come back"},
         {"l", 0, level, "the next quality level"},
         {"e", 0, explain, "print each pass of the frame: drawn or left out and why, and its cost"},
         {"ctrl+z", 0, undo, "undo the last change of the scene", true},

@@ -29,6 +29,7 @@ enum class PreviewAction {
     wipe,
     whole_pixels,
     fit,
+    free_view,
     level,
     explain,
     undo,

@@ -1,4 +1,6 @@
 // What became of each pass of the frame, and what frames cost.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -13,10 +15,18 @@ void cell(const std::string& text) {
     ImGui::TextUnformatted(text.c_str());
 }
 
-void lay_out_pass(const PassReport& pass) {
+/// For scripts: no spaces.
+std::string control_of(const PassReport& pass) {
+    std::string name = "passes." + pass.name;
+    std::ranges::replace(name, ' ', '_');
+    return name;
+}
+
+void lay_out_pass(Session& session, Controls& controls, const PassReport& pass) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    ImGui::TextUnformatted(pass.name.c_str());
+    const bool watched = session.watched_pass() == pass.name;
+    if (controls.row(control_of(pass), pass.name.c_str(), watched)) session.watch(watched ? "" : pass.name);
     if (ImGui::IsItemHovered()) {
         const Region& region = pass.frame_pixels;
         ImGui::SetTooltip("%s", fmt::format("{}\n{}×{} at {}, {}\n{:.2f} MB, {:.1f} times its bandwidth bound\n{}",
@@ -29,15 +39,25 @@ void lay_out_pass(const PassReport& pass) {
     cell(fmt::format("{:.1f}", pass.bytes / 1e6));
 }
 
-void lay_out_drawn(const std::vector<PassReport>& passes) {
+void lay_out_drawn(Session& session, Controls& controls, const std::vector<PassReport>& passes) {
     if (!ImGui::BeginTable("passes", 4, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit)) return;
     ImGui::TableSetupColumn("pass", ImGuiTableColumnFlags_WidthStretch);
     for (const char* column : {"ms", "pixels", "MB"}) ImGui::TableSetupColumn(column);
     ImGui::TableHeadersRow();
     for (const PassReport& pass : passes) {
-        if (pass.drawn) lay_out_pass(pass);
+        if (pass.drawn) lay_out_pass(session, controls, pass);
     }
     ImGui::EndTable();
+}
+
+void lay_out_times(const Session& session) {
+    const std::vector<float>& times_ms = session.picture_times_ms();
+    if (times_ms.empty()) return;
+    const float most = *std::ranges::max_element(times_ms);
+    const std::string text = fmt::format("{:.0f} ms, at most {:.0f}", times_ms.back(), most);
+    const float height = 3 * ImGui::GetTextLineHeight();
+    ImGui::PlotLines("##times", times_ms.data(), static_cast<int>(times_ms.size()), 0, text.c_str(), 0, most,
+                     {ImGui::GetContentRegionAvail().x, height});
 }
 
 }  // namespace
@@ -46,9 +66,16 @@ void lay_out_passes_panel(Session& session, Controls& controls) {
     if (controls.button("passes.measure", "Measure this frame", "time every pass of it, and print them (e)")) {
         session.ask_for_passes();
     }
-    if (!session.picture() || session.picture()->passes.empty()) return;
-    const std::vector<PassReport>& passes = session.picture()->passes;
-    lay_out_drawn(passes);
+    const bool measured = session.picture() && !session.picture()->passes.empty();
+    if (measured) {
+        ImGui::SameLine();
+        if (controls.button("passes.write", "Write", "them to a text file beside the scene")) session.write_passes();
+    }
+    lay_out_times(session);
+    if (!measured) return;
+    ImGui::TextWrapped("Click a pass to see what it leaves, and again to see the picture.");
+    const std::vector<PassReport> passes = session.picture()->passes;
+    lay_out_drawn(session, controls, passes);
     ImGui::Spacing();
     ImGui::TextUnformatted("Left out:");
     for (const PassReport& pass : passes) {

@@ -12,6 +12,7 @@
 #include "core/stop.h"
 #include "core/version.h"
 #include "media/image_io.h"
+#include "preview/flight.h"
 #include "preview/gui.h"
 #include "preview/hand.h"
 #include "preview/script_player.h"
@@ -80,6 +81,7 @@ private:
     Eigen::Vector2i drawn_px_ = Eigen::Vector2i::Zero();
     Clock::time_point last_frame_ = Clock::now();
     int frames_to_draw_ = 0;
+    std::int64_t taken_pictures_ = 0;
     bool quit_ = false;
 };
 
@@ -133,6 +135,9 @@ void Preview::press(PreviewAction action) {
             break;
         case PreviewAction::redo:
             session_.redo();
+            break;
+        case PreviewAction::free_view:
+            toggle_flight(session_);
             break;
         case PreviewAction::save:
             session_.save();
@@ -197,9 +202,10 @@ void Preview::press_view(PreviewAction action) {
 void Preview::update_wishes() {
     // Of what lies between two keys pressed at the start, nothing is to be seen.
     if (!pending_.empty()) return session_.want({.composite = false});
+    if (session_.free_view()) return session_.want({});
     const ShownKind shown = canvas_.shown;
     const bool wipe = canvas_.wipe;
-    session_.want({.composite = shown != ShownKind::plate || wipe,
+    session_.want({.composite = shown != ShownKind::plate || wipe || !session_.watched_pass().empty(),
                    .plate = shown == ShownKind::plate || (wipe && shown == ShownKind::composite),
                    .truth = shown == ShownKind::truth,
                    .difference = shown == ShownKind::difference});
@@ -208,7 +214,8 @@ void Preview::update_wishes() {
 void Preview::take_pictures() {
     if (!session_.take_change()) return;
     frames_to_draw_ = std::max(frames_to_draw_, 2);
-    if (!session_.picture() || session_.facts() == nullptr) return;
+    if (!session_.picture() || session_.facts() == nullptr || session_.picture_count() == taken_pictures_) return;
+    taken_pictures_ = session_.picture_count();
     const ShotPicture& picture = *session_.picture();
     const double aspect = pixel_aspect_of(session_.facts()->footage);
     const auto set = [&](ShownKind kind, const Image8& image) {
@@ -222,6 +229,7 @@ void Preview::take_pictures() {
     set(ShownKind::plate, picture.plate);
     set(ShownKind::truth, picture.truth);
     set(ShownKind::difference, picture.difference);
+    set(ShownKind::texture, picture.watched_picture);
 }
 
 void Preview::start_script() {
@@ -234,6 +242,7 @@ void Preview::start_script() {
                                          },
                                      .go_to = [this](std::int64_t frame) { session_.go_to(frame); },
                                      .screenshot = [this](const std::filesystem::path& path) { screenshot(path); },
+                                     .pictures = [this] { return session_.picture_count(); },
                                      .print = options_.print,
                                      .quit = [this] { quit_ = true; }});
 }
@@ -264,8 +273,10 @@ void Preview::lay_out() {
     gui_->begin(drawn_px_, seconds);
     controls_.begin_frame();
     layout_ = matchlight::lay_out(drawn_px_, state_.layout);
+    canvas_.leads_camera = session_.free_view().has_value();
     canvas_.lay_out(layout_.picture, state_.layout.scale);
     session_.attempt([&] { hand_.lay_out(layout_.picture, state_.layout.scale, canvas_, session_); });
+    lay_out_flight(layout_.picture, canvas_, hand_.holds(), session_);
     WindowParts parts{state_,    session_,     canvas_,
                       controls_, hand_.says(), [this](PreviewAction action) { press(action); }};
     try {
@@ -310,9 +321,10 @@ std::string Preview::title() const {
     std::string text = fmt::format("{}: frame {} of {}, {:.3f} s | {} | {} | {:.0f} ms",
                                    printable(options_.scene.filename().string()), picture.frame, session_.frame_count(),
                                    picture.time_s, session_.level().budget ? "budget" : name_of(session_.level().level),
-                                   canvas_.shown == ShownKind::plate ? "plate alone"
-                                   : on.empty()                      ? "no effects"
-                                                                     : on,
+                                   session_.free_view()                ? "free camera"
+                                   : canvas_.shown == ShownKind::plate ? "plate alone"
+                                   : on.empty()                        ? "no effects"
+                                                                       : on,
                                    picture.ms);
     if (!session_.trouble().empty()) text += " | " + session_.trouble();
     return text;

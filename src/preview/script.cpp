@@ -40,7 +40,9 @@ constexpr std::array<Verb, 15> verbs{{
     {"screenshot", 1, 1, 0, "OUT.png: of the whole window"},
     {"controls", 0, 0, 0, "print each control with its place"},
     {"measure", 1, 1, 0,
-     "WORDS: print them and the milliseconds from what was done last until the last wait_idle found it settled"},
+     "WORDS: print them, the milliseconds from what was done last until the last wait_idle found it settled, and how "
+     "many "
+     "pictures were drawn meanwhile"},
     {"quit", 0, 0, 0, "without a question"},
 }};
 

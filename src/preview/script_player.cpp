@@ -84,7 +84,10 @@ void ScriptPlayer::drag(const ScriptStep& step) {
 
 void ScriptPlayer::begin(const ScriptStep& step, Controls& controls) {
     const std::string& verb = step.verb;
-    if (verb != "wait_idle" && verb != "measure") began_ = Clock::now();
+    if (verb != "wait_idle" && verb != "measure") {
+        began_ = Clock::now();
+        pictures_before_ = stage_.pictures();
+    }
     if (verb == "wait_idle") {
         waiting_ = true;
         still_frames_ = 0;
@@ -127,7 +130,8 @@ void ScriptPlayer::begin(const ScriptStep& step, Controls& controls) {
         }
     } else if (verb == "measure") {
         const double ms = 1000 * std::chrono::duration<double>(settled_ - began_).count();
-        stage_.print(fmt::format("{}: {:.0f} ms", step.words[0], ms));
+        const std::int64_t pictures = stage_.pictures() - pictures_before_;
+        stage_.print(fmt::format("{}: {:.0f} ms, {} pictures", step.words[0], ms, pictures));
     } else if (verb == "quit") {
         stage_.quit();
     }

@@ -20,6 +20,7 @@ struct ScriptStage {
     std::function<void(const std::string& panel)> show;  // throws std::invalid_argument where there is none
     std::function<void(std::int64_t frame)> go_to;
     std::function<void(const std::filesystem::path&)> screenshot;
+    std::function<std::int64_t()> pictures;  // that were drawn so far
     std::function<void(const std::string&)> print;
     std::function<void()> quit;
 };
@@ -51,6 +52,7 @@ private:
     int still_frames_ = 0;
     int patience_ = 0;                                       // frames that a control may still take to appear
     std::chrono::steady_clock::time_point began_, settled_;  // the last thing done, and what came of it
+    std::int64_t pictures_before_ = 0;                       // it
 };
 
 }  // namespace matchlight

@@ -6,8 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "compositor/quality.h"
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/stop.h"
+#include "core/version.h"
 #include "render/pass_table.h"
 
 namespace matchlight {
@@ -105,7 +108,11 @@ void Session::take_picture(ShotPicture picture) {
     if (!picture.passes.empty()) options_.print(fmt::format("frame {}\n{}", picture.frame, pass_table(picture.passes)));
     if (picture.passes.empty() && picture_) picture.passes = std::move(picture_->passes);
     if (picture.composite.width() == 0 && picture_) picture.composite = std::move(picture_->composite);
+    constexpr std::size_t most_times = 120;
+    if (picture_times_ms_.size() == most_times) picture_times_ms_.erase(picture_times_ms_.begin());
+    picture_times_ms_.push_back(static_cast<float>(picture.ms));
     picture_ = std::move(picture);
+    ++pictures_;
     changed_ = true;
 }
 
@@ -140,6 +147,9 @@ void Session::ask(Drawer& drawer, const ShotLevel& level) {
                            .level = level,
                            .scene = scene_,
                            .dragging = dragging_,
+                           .free_view = free_view_,
+                           .watched_pass = watched_pass_,
+                           .probe = shown_probe_,
                            .composite = wanted_.composite,
                            .plate = wanted_.plate,
                            .difference = wanted_.difference,
@@ -215,6 +225,35 @@ void Session::want(const WantedPictures& wanted) {
     if (wanted == wanted_) return;
     wanted_ = wanted;
     touch();
+}
+
+void Session::set_free_view(const std::optional<CameraView>& view) {
+    free_view_ = view;
+    touch();
+}
+
+void Session::watch(const std::string& pass) {
+    if (pass == watched_pass_) return;
+    watched_pass_ = pass;
+    touch();
+}
+
+void Session::show_probe(const std::optional<ProbeForm>& form) {
+    if (form == shown_probe_) return;
+    shown_probe_ = form;
+    touch();
+}
+
+void Session::write_passes() {
+    if (!picture_ || picture_->passes.empty()) return;
+    attempt([&] {
+        std::filesystem::path path = options_.scene;
+        path.replace_extension(fmt::format("frame{:04}.passes.txt", picture_->frame));
+        write_text_file(path,
+                        fmt::format("matchlight {}: {}, frame {}, level {}\n{}\n", version, options_.scene.string(),
+                                    picture_->frame, name_of(level_.level), pass_table(picture_->passes)));
+        options_.print(fmt::format("written: {}", path.string()));
+    });
 }
 
 void Session::ask_for_passes() {

@@ -49,6 +49,8 @@ public:
     /// Null until the scene is read.
     const ShotFacts* facts() const { return facts_.get(); }
     const std::optional<ShotPicture>& picture() const { return picture_; }
+    /// How many there were.
+    std::int64_t picture_count() const { return pictures_; }
     /// Whether the picture is another one than at the last call.
     bool take_change() { return std::exchange(changed_, false); }
 
@@ -63,6 +65,19 @@ public:
     void set_level(const ShotLevel& level);
     void want(const WantedPictures& wanted);
     void ask_for_passes();
+    /// The camera that a hand leads; nullopt: the footage's own.
+    const std::optional<CameraView>& free_view() const { return free_view_; }
+    void set_free_view(const std::optional<CameraView>& view);
+    /// Milliseconds of the last pictures, the latest at the end.
+    const std::vector<float>& picture_times_ms() const { return picture_times_ms_; }
+    /// The passes of the last frame that was measured, to a text file beside the scene.
+    void write_passes();
+    /// The pass whose texture is shown; "": none.
+    const std::string& watched_pass() const { return watched_pass_; }
+    void watch(const std::string& pass);
+    /// The probe is shown instead; nullopt: it is not.
+    const std::optional<ProbeForm>& shown_probe() const { return shown_probe_; }
+    void show_probe(const std::optional<ProbeForm>& form);
     /// Reads the scene file again, and all that belongs to it.
     void reload();
 
@@ -125,6 +140,7 @@ private:
     Warnings& warnings_;
     std::shared_ptr<const ShotFacts> facts_;
     std::optional<ShotPicture> picture_;
+    std::int64_t pictures_ = 0;
     std::unique_ptr<SceneHistory> history_;
     std::shared_ptr<const Scene> scene_;
     SceneValues values_;
@@ -135,6 +151,10 @@ private:
     std::int64_t frame_ = 0;  // wanted
     bool backwards_ = false;
     WantedPictures wanted_;
+    std::optional<CameraView> free_view_;
+    std::string watched_pass_;
+    std::optional<ProbeForm> shown_probe_;
+    std::vector<float> picture_times_ms_;
     bool passes_ = false;
     bool playing_ = false;
     bool dragging_ = false;

@@ -54,12 +54,14 @@ void Shot::make_compositor() {
         .gathered_surface = surface_picture_of_clip(scene, solve, {.quiet = quiet_}, warnings_)};
     compositor_ = std::make_unique<Compositor>(context_, scene, solve, options, warnings_);
     if (dragging_) compositor_->set_dragging(true);
+    compositor_->watch(watched_pass_);
 }
 
 void Shot::set_level(const ShotLevel& level) {
     if (level == level_) return;
     level_ = level;
     compositor_.reset();
+    free_.reset();
 }
 
 void Shot::set_scene(const Scene& scene) {
@@ -71,8 +73,9 @@ void Shot::set_scene(const Scene& scene) {
         solve_ = solve_of_scene(scene_, warnings_);
         frames_ = std::make_unique<FrameCache>(open_frames(scene_, false, warnings_));
     }
-    if (compositor_ == nullptr) return;
     context_.make_current();
+    if (!clip_stays || (free_ && !free_->set_scene(drawn_scene()))) free_.reset();
+    if (compositor_ == nullptr) return;
     // Of no use any more unless it takes the scene.
     std::unique_ptr<Compositor> compositor = std::move(compositor_);
     if (keeps && compositor->set_scene(drawn_scene())) compositor_ = std::move(compositor);
@@ -82,11 +85,43 @@ void Shot::set_dragging(bool dragging) {
     if (dragging == dragging_) return;
     dragging_ = dragging;
     if (compositor_ && !compositor_->set_dragging(dragging)) compositor_.reset();
+    if (free_ && !free_->set_dragging(dragging)) free_.reset();
 }
 
 Image8 Shot::composited(const PlateFrame& plate) {
     if (!compositor_) make_compositor();
     return compositor_->composite(plate).rgb8();
+}
+
+Image8 Shot::seen_from(const CameraView& view, std::int64_t frame) {
+    context_.make_current();
+    if (!free_) free_ = std::make_unique<FreeShot>(context_, drawn_scene(), solve_, view, warnings_);
+    return free_->picture(frame, view);
+}
+
+Image8 Shot::probe_seen(ProbeForm form, const PlateFrame& plate) {
+    if (!scene_.probe) return {};
+    if (read_probe_ != scene_.probe) {
+        const ProbeSettings& settings = *scene_.probe;
+        probe_ = placed(load_probe(settings.path, settings.mapping, warnings_), settings.placement);
+        read_probe_ = settings;
+    }
+    ProbeLook look{.form = form, .width = solve_.camera.width, .height = solve_.camera.height};
+    if (const SolvedFrame* frame = solve_.find(plate.index())) {
+        const SolvedFrame* exposed = solve_.exposed_near(*frame);
+        if (exposed != nullptr) look.exposure_ev = exposed->exposure_ev.value_or(0);
+        if (frame->camera_from_world) look.world_from_camera = frame->camera_from_world->linear().transpose();
+    }
+    return probe_picture(probe_, look);
+}
+
+void Shot::watch(const std::string& pass) {
+    watched_pass_ = pass;
+    if (compositor_) compositor_->watch(pass);
+}
+
+std::optional<WatchedTexture> Shot::watched() const {
+    return compositor_ ? compositor_->watched() : std::nullopt;
 }
 
 std::vector<PassReport> Shot::passes(const PlateFrame& plate) {
@@ -99,6 +134,7 @@ std::vector<PassReport> Shot::passes(const PlateFrame& plate) {
 
 ShaderReload Shot::reload_shaders() {
     // Without a compositor (its shaders do not compile, say) a change of files is reason to try again.
+    if (free_) free_->reload_shaders();
     return compositor_ ? compositor_->reload_shaders() : files_.reload_changed();
 }
 

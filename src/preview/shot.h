@@ -11,6 +11,8 @@
 #include "core/warnings.h"
 #include "gl/context.h"
 #include "preview/frame_cache.h"
+#include "preview/free_shot.h"
+#include "preview/probe_picture.h"
 #include "scene/scene_file.h"
 #include "tracking/solve_file.h"
 
@@ -46,6 +48,15 @@ public:
 
     /// What render writes of this frame. Throws InputError.
     Image8 composited(const PlateFrame& plate);
+    /// What is seen from elsewhere, at the time of that frame.
+    Image8 seen_from(const CameraView& view, std::int64_t frame);
+    /// Of that picture.
+    const Camera& free_camera() const { return free_->camera(); }
+    /// The scene's probe, as bright as it is in that frame; empty where it has none.
+    Image8 probe_seen(ProbeForm form, const PlateFrame& plate);
+    /// What a pass of composited() leaves, from the next frame on; "": of none.
+    void watch(const std::string& pass);
+    std::optional<WatchedTexture> watched() const;
     /// What became of each pass of the frame, timed.
     std::vector<PassReport> passes(const PlateFrame& plate);
     ShaderReload reload_shaders();
@@ -63,6 +74,10 @@ private:
     ShotLevel level_;
     bool dragging_ = false;
     std::unique_ptr<Compositor> compositor_;
+    std::unique_ptr<FreeShot> free_;
+    std::string watched_pass_;
+    std::optional<ProbeSettings> read_probe_;  // that probe_ is of
+    Probe probe_;
     ShaderLibrary files_;  // no programs of its own: what it knows is when files change
 };
 

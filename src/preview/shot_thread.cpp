@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "preview/free_view.h"
+#include "preview/texture_picture.h"
 #include "preview/truth_picture.h"
 #include "report/flip.h"
 #include "report/flip_colors.h"
@@ -137,6 +139,7 @@ void ShotThread::load() {
 void ShotThread::take_wishes(const PictureRequest& request) {
     shot_->set_level(request.level);
     shot_->set_dragging(request.dragging);
+    shot_->watch(request.watched_pass);
     if (!request.scene || request.scene == scene_) return;
     scene_ = request.scene;
     shot_->set_scene(*scene_);
@@ -165,12 +168,29 @@ ShotPicture ShotThread::picture_of(const PictureRequest& request) {
     picture.time_s = plate->time_s();
     picture.walk_s = seconds_since(start);
     const Clock::time_point decoded = Clock::now();
-    if (request.composite || request.passes || request.difference) picture.composite = shot_->composited(*plate);
+    if (request.free_view) {
+        picture.composite = shot_->seen_from(*request.free_view, picture.frame);
+    } else if (request.composite || request.passes || request.difference) {
+        picture.composite = shot_->composited(*plate);
+        if (const std::optional<WatchedTexture> watched = shot_->watched()) {
+            picture.watched_picture =
+                picture_of_texture(*watched, picture.composite.width(), picture.composite.height());
+            picture.watched_words = words_of_texture(*watched);
+        }
+    }
     // After a picture, so that what is made once is not part of it.
     if (request.passes) picture.passes = shot_->passes(*plate);
+    if (request.probe) {
+        picture.watched_picture = shot_->probe_seen(*request.probe, *plate);
+        picture.watched_words = *request.probe == ProbeForm::latlong
+                                    ? "probe, as bright as in this frame: straight up is the first row"
+                                    : "probe, as bright as in this frame: in a mirror, a rough one, and on paper";
+    }
     picture.ms = 1000 * seconds_since(decoded);
-    picture.camera = shot_->solve().camera;
-    if (const SolvedFrame* solved = shot_->solve().find(plate->index())) {
+    picture.camera = request.free_view ? shot_->free_camera() : shot_->solve().camera;
+    if (request.free_view) {
+        picture.camera_from_world = pose_of_view(*request.free_view);
+    } else if (const SolvedFrame* solved = shot_->solve().find(plate->index())) {
         picture.camera_from_world = solved->camera_from_world;
     }
     const bool wants_truth = !request.truth.empty();

@@ -31,8 +31,11 @@ struct PictureRequest {
     bool backwards = false;       // or the one before it, where there is one
     std::optional<double> due_s;  // while it plays: go on from there to the last frame whose time has come
     ShotLevel level;
-    std::shared_ptr<const Scene> scene = {};  // as it was changed; null: as its file had it
-    bool dragging = false;                    // it changes with every request: coarse will do
+    std::shared_ptr<const Scene> scene = {};   // as it was changed; null: as its file had it
+    bool dragging = false;                     // it changes with every request: coarse will do
+    std::optional<CameraView> free_view = {};  // the composite is what is seen from there, and no plate behind it
+    std::string watched_pass = {};             // what it leaves is shown, too; "": of none
+    std::optional<ProbeForm> probe = {};       // the probe is shown
     bool composite = true;
     bool plate = false;
     bool difference = false;  // FLIP of the composite against the truth, or where there is none against the plate
@@ -50,6 +53,8 @@ struct ShotPicture {
     double mean_flip = 0;               // of the difference
     bool flip_of_plate = false;         // it is against the plate
     std::vector<PassReport> passes;
+    Image8 watched_picture;     // the probe, or of the pass that is watched; empty where it left nothing
+    std::string watched_words;  // about it
     // Where it was seen from; absent where that is not known.
     Camera camera;
     std::optional<RigidTransform> camera_from_world;

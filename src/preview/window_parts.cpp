@@ -11,6 +11,7 @@
 #include <imgui.h>
 
 #include "compositor/quality.h"
+#include "preview/flight.h"
 #include "preview/timeline.h"
 
 namespace matchlight {
@@ -31,8 +32,12 @@ void lay_out_shown(WindowParts& parts) {
     Canvas& canvas = parts.canvas;
     Controls& controls = parts.controls;
     const auto choose = [&](ShownKind kind, const char* name, const char* text, const char* tooltip) {
-        bool on = canvas.shown == kind;
-        if (controls.toggle(name, text, on, tooltip)) canvas.shown = on ? kind : ShownKind::composite;
+        bool on = canvas.shown == kind && parts.session.watched_pass().empty() && !parts.session.shown_probe();
+        if (controls.toggle(name, text, on, tooltip)) {
+            canvas.shown = on ? kind : ShownKind::composite;
+            parts.session.watch("");
+            parts.session.show_probe({});
+        }
         ImGui::SameLine();
     };
     choose(ShownKind::composite, "view.composite", "Composite", "what render writes");
@@ -42,6 +47,13 @@ void lay_out_shown(WindowParts& parts) {
            "where the composite differs from the truth, or without one from the plate (f)");
     controls.toggle("view.wipe", "Wipe", canvas.wipe,
                     "the composite on the left of a line that can be dragged, what is chosen on its right (w)");
+    ImGui::SameLine();
+    bool flies = parts.session.free_view().has_value();
+    if (controls.toggle("view.free", "Fly", flies,
+                        "leave the footage and fly around the scene, or come back (v): left button turns, right one "
+                        "shifts, the wheel goes nearer")) {
+        toggle_flight(parts.session);
+    }
     ImGui::SameLine(0, 18 * parts.state.layout.scale);
     if (controls.button("view.fit", "Fit", "the whole picture (0); the wheel zooms, the right button drags"))
         canvas.fit();
@@ -131,7 +143,8 @@ void lay_out_status(const Layout& layout, const WindowParts& parts) {
         ImGui::PopStyleColor();
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", session.trouble().c_str());
     } else {
-        std::string left = values_under_pointer(parts);
+        const bool shows_texture = session.picture() && !session.picture()->watched_words.empty();
+        std::string left = shows_texture ? session.picture()->watched_words : values_under_pointer(parts);
         if (!parts.hand_says.empty()) left += (left.empty() ? "" : "   ") + parts.hand_says;
         ImGui::TextUnformatted(left.c_str());
         ImGui::SameLine(std::max(0.0f, ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(right.c_str()).x));

@@ -135,6 +135,7 @@ void RenderGraph::begin_frame(int width, int height) {
     outputs_.clear();
     left_out_.clear();
     order_.clear();
+    watched_.reset();
     pool_->begin_frame();
 }
 
@@ -230,6 +231,7 @@ void RenderGraph::run(bool timed) {
     for (const GraphTexture texture : outputs_) last_reader[static_cast<std::size_t>(texture.id)] = order.size();
     for (std::size_t place = 0; place < order.size(); ++place) {
         draw_pass(passes_[order[place]], timed);
+        if (!watched_pass_.empty() && passes_[order[place]].pass.name == watched_pass_) look_at(passes_[order[place]]);
         order_.push_back(order[place]);
         for (std::size_t node = 0; node < nodes_.size(); ++node) {
             if (nodes_[node].pooled && nodes_[node].texture != nullptr && last_reader[node] == place) {
@@ -298,6 +300,29 @@ void RenderGraph::draw_pass(Scheduled& scheduled, bool timed) {
         report.why = "once for " + pass.once_for;
     }
     check_no_gl_error("pass " + pass.name);
+}
+
+void RenderGraph::look_at(const Scheduled& scheduled) {
+    const GpuCondition* needs = scheduled.pass.needs;
+    if (needs != nullptr && !needs->is_met()) return;
+    std::vector<GraphTexture> textures = scheduled.written;
+    textures.insert(textures.end(), scheduled.pass.provides.begin(), scheduled.pass.provides.end());
+    for (const GraphTexture texture : textures) {
+        const Node& node = nodes_[static_cast<std::size_t>(texture.id)];
+        if (node.texture == nullptr || node.texture->shape().samples > 0 || node.texture->bounds().empty()) continue;
+        GLint depth_bits = 0, type = GL_NONE;
+        glGetTextureLevelParameteriv(node.texture->name(), 0, GL_TEXTURE_DEPTH_SIZE, &depth_bits);
+        glGetTextureLevelParameteriv(node.texture->name(), 0, GL_TEXTURE_RED_TYPE, &type);
+        if (type == GL_INT || type == GL_UNSIGNED_INT) continue;
+        // The pool's textures may be larger than what a pass writes.
+        const Region& region = node.shape.region;
+        const Region written = Region{0, 0, region.width, region.height}.intersected(node.texture->bounds());
+        const Region all = node.pooled ? written : node.texture->bounds();
+        if (all.empty()) continue;
+        watched_ =
+            WatchedTexture{scheduled.pass.name, node.shape, node.texture->read<float>(all, depth_bits > 0 ? 1 : 4)};
+        return;
+    }
 }
 
 std::vector<PassReport> RenderGraph::reports() const {

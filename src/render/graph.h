@@ -80,6 +80,13 @@ struct PassReport {
     double bandwidth_bounds = 0;  // ms as a multiple of moving the bytes once
 };
 
+/// A texture as a pass left it, for a look inside.
+struct WatchedTexture {
+    std::string pass;
+    GraphShape shape;
+    ImageF texels;  // of one channel (depth) or four
+};
+
 /// Texels of `scale` along a side that hold the pixels of a region; those of nothing are nothing.
 Region texels_over(const Region& pixels, int scale);
 
@@ -118,6 +125,12 @@ public:
     /// In the order of drawing, then those left out. Asks the GPU for its conditions: call it after run().
     std::vector<PassReport> reports() const;
 
+    /// From the next run on, what the last pass of that name writes (or has, where it was made before) is read back,
+    /// the first of its textures that holds numbers to be seen; "": nothing is.
+    void watch(std::string pass) { watched_pass_ = std::move(pass); }
+    /// Of the last frame; nullopt where no such pass was drawn.
+    const std::optional<WatchedTexture>& watched() const { return watched_; }
+
     /// Lets `once` passes draw again: what they depend on has changed.
     void forget_kept(const std::string& name);
     void forget_kept() { kept_.clear(); }
@@ -130,6 +143,7 @@ private:
 
     std::vector<std::size_t> schedule() const;
     void draw_pass(Scheduled& scheduled, bool timed);
+    void look_at(const Scheduled& scheduled);
 
     bool leaves_out_ = true;
     int width_ = 0, height_ = 0;
@@ -140,6 +154,8 @@ private:
     std::vector<std::size_t> order_;
     std::map<std::string, double, std::less<>> kept_;  // name, ms it took
     std::unique_ptr<TexturePool> pool_;
+    std::string watched_pass_;
+    std::optional<WatchedTexture> watched_;
     FullScreenTriangle triangle_;
     Texture2D zero_;
 };

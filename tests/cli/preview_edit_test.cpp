@@ -148,5 +148,35 @@ TEST_F(PreviewEditTest, DroppedFilesStandWhereTheyAreLetGo) {
     EXPECT_EQ(place[2], 0);
 }
 
+TEST_F(PreviewEditTest, TheCameraLeavesTheFootageAndComesBack) {
+    const std::string before = bytes_of(scene_);
+    hand("wait_idle\nkey 1\n" + shot("first") + "key v\n" + shot("there") + "drag 300 200 400 240 2\n" +
+         shot("turned") + "scroll 400 300 3\n" + shot("near") + "drag 300 300 350 300 2 right\n" + shot("shifted") +
+         "show light\nset light.exposure_ev 1\n" + shot("brighter") + "key ctrl+z\nkey v\n" + shot("back") +
+         "key ctrl+s\nwait_idle");
+    const std::vector<std::string> views{"first", "there", "turned", "near", "shifted", "brighter"};
+    for (std::size_t i = 1; i < views.size(); ++i) EXPECT_FALSE(same(picture(views[i]), picture(views[i - 1])));
+    EXPECT_TRUE(same(picture("back"), picture("first")));
+    EXPECT_EQ(bytes_of(scene_), before);
+}
+
+TEST_F(PreviewEditTest, WhatPassesLeaveAndTheProbeAreShown) {
+    append_to_scene("\n[effects]\nbloom = \"auto\"\n");
+    const std::string printed =
+        hand("wait_idle\nkey 1\n" + shot("first") + "show passes\nclick passes.measure\nwait_idle\ncontrols\n" +
+             "set passes.composite on\n" + shot("pass") + "click passes.write\nclick view.composite\n" + shot("back") +
+             "show light\nset probe.view lat-long\n" + shot("latlong") + "set probe.view \"three balls\"\n" +
+             shot("balls") + "set probe.view picture\n" + shot("last"));
+    EXPECT_THAT(printed, HasSubstr("control passes.composite "));
+    EXPECT_FALSE(same(picture("pass"), picture("first")));
+    EXPECT_TRUE(same(picture("back"), picture("first")));
+    EXPECT_FALSE(same(picture("latlong"), picture("first")));
+    EXPECT_FALSE(same(picture("balls"), picture("latlong")));
+    EXPECT_TRUE(same(picture("last"), picture("first")));
+    const fs::path table = shot_ / "table.frame0000.passes.txt";
+    EXPECT_THAT(printed, HasSubstr(table.string()));
+    EXPECT_THAT(bytes_of(table), AllOf(HasSubstr("matchlight "), HasSubstr("frame 0"), HasSubstr("composite ")));
+}
+
 }  // namespace
 }  // namespace matchlight::test

@@ -108,6 +108,25 @@ TEST_F(RenderGraphTest, OutputsOutliveTheRun) {
     EXPECT_EQ((graph_.texture(kept).read<float>({0, 0, 1, 1}, 4).at(0, 0, 0)), 3);
 }
 
+TEST_F(RenderGraphTest, WhatAPassLeavesCanBeWatched) {
+    graph_.watch("a");
+    const GraphTexture a = graph_.add_pass(
+        {.name = "a", .writes = {GL_RGBA16F}, .scale = 2, .region = Region{10, 20, 8, 4}, .draw = [](PassRun& run) {
+             run.target().clear_color(0, 0.25f, 0.5f, 0.75f, 1);
+         }})[0];
+    graph_.output(add("b", {{a}}));
+    graph_.run();
+    ASSERT_TRUE(graph_.watched());
+    const WatchedTexture& watched = *graph_.watched();
+    EXPECT_EQ(watched.pass, "a");
+    EXPECT_EQ(watched.shape.region, (Region{10, 20, 8, 4}));
+    ASSERT_EQ(watched.texels.width(), 8);
+    ASSERT_EQ(watched.texels.height(), 4);
+    EXPECT_EQ(watched.texels.at(7, 3, 2), 0.75f);
+    graph_.begin_frame(640, 360);
+    EXPECT_FALSE(graph_.watched());
+}
+
 TEST_F(RenderGraphTest, WhatIsMadeOnceIsKept) {
     for (int frame = 0; frame < 3; ++frame) {
         graph_.begin_frame(640, 360);
