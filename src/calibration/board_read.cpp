@@ -15,6 +15,7 @@
 #include "calibration/board.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/lowercase.h"
 
 namespace matchlight {
 
@@ -83,8 +84,8 @@ BoardSpec checked(BoardSpec board, const std::string& reported) {
     return board;
 }
 
-std::optional<BoardKind> kind_of(std::string name) {
-    std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+std::optional<BoardKind> kind_of(std::string_view text) {
+    const std::string name = lowercase(text);
     if (name == "chessboard" || name == "checkerboard") return BoardKind::chessboard;
     if (name == "charuco") return BoardKind::charuco;
     if (name == "aprilgrid") return BoardKind::aprilgrid;

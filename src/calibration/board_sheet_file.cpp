@@ -2,7 +2,6 @@
 #include "calibration/board_sheet_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -15,6 +14,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/lowercase.h"
 #include "core/version.h"
 #include "media/image_io.h"
 
@@ -145,9 +145,7 @@ void require_reasonable(const BoardSheet& sheet, double dpi, const fs::path& pat
 }  // namespace
 
 SheetFormat sheet_format_of(const fs::path& path) {
-    std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = lowercase_extension(path);
     if (extension == ".pdf") return SheetFormat::pdf;
     if (extension == ".svg") return SheetFormat::svg;
     if (extension == ".png") return SheetFormat::png;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <string>
 
@@ -11,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "core/error.h"
+#include "core/lowercase.h"
 
 namespace matchlight {
 
@@ -44,8 +44,7 @@ constexpr double largest_mm = 20000, smallest_mm = 40;
 }  // namespace
 
 Paper read_paper(const std::string& text) {
-    std::string name = text;
-    std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string name = lowercase(text);
     for (const NamedPaper& paper : named_papers) {
         if (name == paper.name) return {name, paper.width_mm, paper.height_mm, true};
     }

@@ -26,7 +26,7 @@ using Eigen::Vector2d;
 
 constexpr double label_mm = 3.5;  // the line of text under a tag
 
-[[noreturn]] void fail(const std::string& text, const std::string& cause) {
+[[noreturn]] void fail_sheet(const std::string& text, const std::string& cause) {
     throw InputError({}, "the sheet \"" + printable(text) + "\": " + cause, std::string("say ") + tag_sheet_form);
 }
 
@@ -34,7 +34,7 @@ int whole_number(const std::string& word, const std::string& text) {
     int value = 0;
     const auto parsed = std::from_chars(word.data(), word.data() + word.size(), value);
     if (parsed.ec != std::errc() || parsed.ptr != word.data() + word.size() || value < 0) {
-        fail(text, "\"" + printable(word) + "\" is no id");
+        fail_sheet(text, "\"" + printable(word) + "\" is no id");
     }
     return value;
 }
@@ -48,15 +48,15 @@ std::vector<int> ids_of(const std::string& word, const TagFamily& family, const 
         const int last = dash == std::string::npos ? first : whole_number(part.substr(dash + 1), text);
         for (const int id : {first, last}) {
             if (id < family.id_count()) continue;
-            fail(text, fmt::format("{} has ids 0 to {}, not {}", family.name(), family.id_count() - 1, id));
+            fail_sheet(text, fmt::format("{} has ids 0 to {}, not {}", family.name(), family.id_count() - 1, id));
         }
-        if (last < first) fail(text, "the ids " + printable(part) + " run backwards");
+        if (last < first) fail_sheet(text, "the ids " + printable(part) + " run backwards");
         for (int id = first; id <= last; ++id) {
-            if (std::ranges::find(ids, id) != ids.end()) fail(text, fmt::format("the id {} is named twice", id));
+            if (std::ranges::find(ids, id) != ids.end()) fail_sheet(text, fmt::format("the id {} is named twice", id));
             ids.push_back(id);
         }
     }
-    if (ids.empty()) fail(text, "names no id");
+    if (ids.empty()) fail_sheet(text, "names no id");
     return ids;
 }
 
@@ -142,7 +142,7 @@ TagSheetSpec read_tag_sheet(const std::string& text) {
     std::istringstream stream(text);
     std::vector<std::string> words;
     for (std::string word; stream >> word;) words.push_back(word);
-    if (words.size() != 4) fail(text, fmt::format("has {} words, not 4", words.size()));
+    if (words.size() != 4) fail_sheet(text, fmt::format("has {} words, not 4", words.size()));
     TagSheetSpec spec;
     spec.family = words[1];
     if (std::ranges::find(TagFamily::names(), spec.family) == TagFamily::names().end()) {
@@ -155,7 +155,8 @@ TagSheetSpec read_tag_sheet(const std::string& text) {
     constexpr double smallest_m = 1e-3, largest_m = 20;  // a millimetre; the width of roll paper
     if (parsed.ec != std::errc() || parsed.ptr != size.data() + size.size() ||
         !(spec.size_m >= smallest_m && spec.size_m <= largest_m)) {
-        fail(text, fmt::format("\"{}\" is no size of a tag from {} to {} m", printable(size), smallest_m, largest_m));
+        fail_sheet(text,
+                   fmt::format("\"{}\" is no size of a tag from {} to {} m", printable(size), smallest_m, largest_m));
     }
     return spec;
 }

@@ -20,6 +20,7 @@
 #include "commands/result.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/lowercase.h"
 #include "core/output_folder.h"
 #include "core/version.h"
 #include "exchange/camera_table.h"
@@ -61,16 +62,9 @@ struct ExportCall {
     }
 };
 
-std::string lower_extension(const fs::path& path) {
-    std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return c < 128 ? static_cast<char>(std::tolower(c)) : '?'; });
-    return extension;
-}
-
 Format format_of(const ExportCall& call) {
     if (call.format) return *call.format;
-    const std::string extension = lower_extension(call.output);
+    const std::string extension = lowercase_extension(call.output);
     static const std::map<std::string, Format> by_extension{
         {".chan", Format::chan}, {".gltf", Format::gltf}, {".glb", Format::glb}, {".usda", Format::usd},
         {".usd", Format::usd},   {".csv", Format::csv},   {"", Format::colmap}};
@@ -86,7 +80,7 @@ Format format_of(const ExportCall& call) {
 
 /// Whether the file is a calibration: OpenCV's YAML or XML.
 bool is_camera_file(const fs::path& path) {
-    const std::string extension = lower_extension(path);
+    const std::string extension = lowercase_extension(path);
     return extension == ".yaml" || extension == ".yml" || extension == ".xml";
 }
 
@@ -99,7 +93,7 @@ void check_not_the_input(const ExportCall& call) {
 }
 
 void write_stmap(const ExportCall& call, CommandContext& context) {
-    if (lower_extension(call.output) != ".exr") {
+    if (lowercase_extension(call.output) != ".exr") {
         throw InputError(call.output, "an STMap is an .exr file", "give a name that ends in .exr");
     }
     check_output(call.output, call.overwrite);

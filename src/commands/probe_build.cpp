@@ -1,8 +1,6 @@
 // matchlight probe build: photographs of a mirror ball into a light probe.
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -17,7 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calibration/camera.h"
-#include "calibration/hdr_merge.h"
+#include "commands/ball_photographs.h"
 #include "commands/photograph_options.h"
 #include "commands/probe_commands.h"
 #include "commands/probe_options.h"
@@ -29,8 +27,6 @@
 #include "lighting/ball_build.h"
 #include "lighting/probe_file.h"
 #include "lighting/resample.h"
-#include "media/exr_file.h"
-#include "media/image_io.h"
 #include "scene/scene_file.h"
 
 namespace matchlight {
@@ -47,83 +43,11 @@ struct ProbeBuildCall {
     double ball_radius_m = 0;
     std::vector<std::vector<double>> circles;
     std::vector<double> reflectance, place;
+    std::vector<std::string> diffuse_ball;
+    std::vector<double> diffuse_circle, diffuse_albedo;
     bool no_plane = false, no_sun_from_tags = false, no_deghost = false;
     double camera_deg = 8;
 };
-
-std::string lower_extension(const fs::path& file) {
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-    return extension;
-}
-
-/// The photographs of a view: files, or folders of them.
-std::vector<fs::path> photographs_of(const std::vector<std::string>& given) {
-    std::vector<fs::path> files;
-    for (const std::string& one : given) {
-        if (!fs::is_directory(one)) {
-            files.emplace_back(one);
-            continue;
-        }
-        std::vector<fs::path> inside;
-        for (const auto& entry : fs::directory_iterator(one)) {
-            if (entry.is_regular_file()) inside.push_back(entry.path());
-        }
-        if (inside.empty()) throw InputError(one, "the folder holds no photograph");
-        std::ranges::sort(inside);
-        files.insert(files.end(), inside.begin(), inside.end());
-    }
-    return files;
-}
-
-/// A view that is merged already: radiance, with `sigma.R` … and `clipped` where the file has them, as `merge` writes.
-BallView radiance_view(const fs::path& file, const Camera& camera, Warnings& warnings) {
-    BallView view;
-    view.name = file;
-    view.radiance = read_linear_rgb(file, warnings);
-    const int width = view.radiance.width(), height = view.radiance.height();
-    view.camera = camera_for_size(camera, width, height, file);
-    if (lower_extension(file) != ".exr") return view;
-    const ExrFile exr(file);
-    if (exr.has_channel(0, "sigma.R")) view.sigma = exr.read(0, {"sigma.R", "sigma.G", "sigma.B"});
-    if (exr.has_channel(0, "clipped")) {
-        const ImageF flags = exr.read(0, {"clipped"});
-        view.clipped = Image8(width, height, 1);
-        std::ranges::transform(flags.samples(), view.clipped.samples().begin(),
-                               [](float flag) -> std::uint8_t { return flag > 0 ? 255 : 0; });
-    }
-    return view;
-}
-
-/// What every view is read with.
-struct ViewReading {
-    Camera camera;
-    Response response;
-    MergeOptions merge;
-};
-
-/// One view merged, in units of `scale` times radiance.
-BallView merged_view(const std::vector<fs::path>& photographs, const ViewReading& reading, std::optional<double>& scale,
-                     Warnings& warnings) {
-    const ExposureSeries series = read_exposure_series(photographs, {}, warnings);
-    BallView view;
-    view.name = photographs.front();
-    view.camera = camera_for_size(reading.camera, series.width(), series.height(), photographs.front());
-    MergedPhotograph merged = merge_exposures(series, reading.response, reading.merge, warnings);
-    if (!scale) scale = merged.exposures[merged.reference];
-    for (float& sample : merged.radiance.samples()) sample *= static_cast<float>(*scale);
-    for (float& sample : merged.sigma.samples()) sample *= static_cast<float>(*scale);
-    view.clipped = Image8(series.width(), series.height(), 1);
-    for (int y = 0; y < series.height(); ++y) {
-        for (int x = 0; x < series.width(); ++x) {
-            const std::uint8_t* flags = merged.flags.pixel(x, y);
-            if (((flags[0] | flags[1] | flags[2]) & merge_flag::clipped) != 0) view.clipped.at(x, y) = 255;
-        }
-    }
-    view.radiance = std::move(merged.radiance);
-    view.sigma = std::move(merged.sigma);
-    return view;
-}
 
 /// sigma, seen and clipped side by side, as EXR files keep them.
 ImageF known_of(const BallProbe& probe) {
@@ -140,6 +64,20 @@ ImageF known_of(const BallProbe& probe) {
 
 std::string place_text(const Eigen::Vector3d& place_m) {
     return fmt::format("{:.6g} {:.6g} {:.6g}", place_m.x(), place_m.y(), place_m.z());
+}
+
+json view_json(const BallView& view) {
+    const Eigen::Vector2d centre = view.camera.pixel_from_camera(view.outline.axis);
+    return {{"first", view.name.string()},
+            {"eye_m", rgb_json(view.eye_m())},
+            {"rig_correlation", view.rig_correlation},
+            {"pose_from_ball", view.pose_from_ball},
+            {"outline",
+             {{"centre_px", {centre.x(), centre.y()}},
+              {"radius_px", view.outline.radius_px(view.camera)},
+              {"rms_px", view.outline.rms_px},
+              {"support", view.outline.support},
+              {"significance", view.outline.significance}}}};
 }
 
 json result_json(const ProbeBuildCall& call, const BallBuild& build, const ProbeLayout& layout, double scale) {
@@ -164,6 +102,7 @@ json result_json(const ProbeBuildCall& call, const BallBuild& build, const Probe
         result["ball"]["points"] = build.fit->points;
         result["ball"]["outline_off_px"] = build.fit->outline_off_px;
     }
+    result["clipped_lights_by"] = build.clipped_lights_by;
     result["clipped_lights"] = json::array();
     for (const ClippedLight& light : build.clipped_lights) {
         result["clipped_lights"].push_back({{"direction", rgb_json(light.direction)},
@@ -174,18 +113,9 @@ json result_json(const ProbeBuildCall& call, const BallBuild& build, const Probe
                                             {"relative_sigma", rgb_json(light.sigma)}});
     }
     for (const BallView& view : build.views) {
-        const Eigen::Vector2d centre = view.camera.pixel_from_camera(view.outline.axis);
-        result["views"].push_back({{"first", view.name.string()},
-                                   {"eye_m", rgb_json(view.eye_m())},
-                                   {"rig_correlation", view.rig_correlation},
-                                   {"pose_from_ball", view.pose_from_ball},
-                                   {"outline",
-                                    {{"centre_px", {centre.x(), centre.y()}},
-                                     {"radius_px", view.outline.radius_px(view.camera)},
-                                     {"rms_px", view.outline.rms_px},
-                                     {"support", view.outline.support},
-                                     {"significance", view.outline.significance}}}});
+        result["views"].push_back(view_json(view));
     }
+    if (build.diffuse_view) result["diffuse_ball"] = view_json(*build.diffuse_view);
     return result;
 }
 
@@ -216,13 +146,40 @@ std::string result_text(const ProbeBuildCall& call, const BallBuild& build, cons
                         build.reflectance.z(), build.reflectance_by);
     for (const ClippedLight& light : build.clipped_lights) {
         text += fmt::format(
-            "  clipped light at azimuth {:.1f}°, elevation {:.1f}°: by the tags' paper {:.2f} {:.2f} {:.2f} times what "
-            "was "
+            "  clipped light at azimuth {:.1f}°, elevation {:.1f}°: by {} {:.2f} {:.2f} {:.2f} times what was "
             "photographed, within {:.0f} %\n",
-            azimuth_deg(light.direction), elevation_deg(light.direction), light.gain.x(), light.gain.y(),
-            light.gain.z(), 100 * light.sigma.maxCoeff());
+            azimuth_deg(light.direction), elevation_deg(light.direction), build.clipped_lights_by, light.gain.x(),
+            light.gain.y(), light.gain.z(), 100 * light.sigma.maxCoeff());
     }
     return text;
+}
+
+/// Shares of light, RGB, from one number or three; nullopt where none is given.
+std::optional<Eigen::Vector3d> share_of(const std::vector<double>& given, const std::string& option,
+                                        const std::string& cure) {
+    if (given.empty()) return std::nullopt;
+    if (given.size() != 1 && given.size() != 3) throw InputError({}, option + " takes one number or three");
+    const Eigen::Vector3d share =
+        given.size() == 1 ? Eigen::Vector3d::Constant(given[0]) : Eigen::Vector3d(given[0], given[1], given[2]);
+    if (!(share.minCoeff() > 0 && share.maxCoeff() <= 1)) {
+        throw InputError({}, option + ": a reflectance is above 0 and at most 1", cure);
+    }
+    return share;
+}
+
+/// All but its view; nullopt where none is given.
+std::optional<DiffuseBallOptions> diffuse_options(const ProbeBuildCall& call) {
+    if (call.diffuse_ball.empty()) {
+        if (call.diffuse_circle.empty() && call.diffuse_albedo.empty()) return std::nullopt;
+        throw InputError({}, "--diffuse-circle and --diffuse-albedo say more of --sun-from-diffuse-ball",
+                         "name its photographs too");
+    }
+    DiffuseBallOptions options;
+    options.albedo = share_of(call.diffuse_albedo, "--diffuse-albedo", "0.18 is usual for grey, 0.8 for white");
+    if (!call.diffuse_circle.empty()) {
+        options.circle = {{call.diffuse_circle[0], call.diffuse_circle[1]}, call.diffuse_circle[2]};
+    }
+    return options;
 }
 
 BallBuildOptions build_options(const ProbeBuildCall& call, Warnings& warnings) {
@@ -232,14 +189,8 @@ BallBuildOptions build_options(const ProbeBuildCall& call, Warnings& warnings) {
     options.sun_from_tags = !call.no_sun_from_tags;
     options.camera_deg = call.camera_deg;
     for (const auto& circle : call.circles) options.circles.push_back({{circle[0], circle[1]}, circle[2]});
-    if (!call.reflectance.empty()) {
-        const auto& r = call.reflectance;
-        if (r.size() != 1 && r.size() != 3) throw InputError({}, "--reflectance takes one number or three");
-        options.reflectance = r.size() == 1 ? Eigen::Vector3d::Constant(r[0]) : Eigen::Vector3d(r[0], r[1], r[2]);
-        if (!(options.reflectance->minCoeff() > 0 && options.reflectance->maxCoeff() <= 1)) {
-            throw InputError({}, "a reflectance is above 0 and at most 1", "0.6 is usual for chrome, 0.9 for silver");
-        }
-    }
+    options.reflectance = share_of(call.reflectance, "--reflectance", "0.6 is usual for chrome, 0.9 for silver");
+    options.diffuse_ball = diffuse_options(call);
     if (!call.rig.empty()) {
         const Scene scene = load_scene(call.rig, warnings);
         if (scene.tags.rig.empty()) throw InputError(call.rig, "has no [tags] rig", "list the tags beside the ball");
@@ -256,22 +207,14 @@ void run_build(const ProbeBuildCall& call, CommandContext& context) {
     if (!(call.ball_radius_m > 0 && std::isfinite(call.ball_radius_m)))
         throw InputError({}, fmt::format("a ball's radius of {} m", call.ball_radius_m), "give it in metres: 0.035");
     const OutputLock lock(call.output.path);
-    ViewReading reading{load_camera(call.camera), response_of(call.response), {}};
+    BallReading reading{load_camera(call.camera), response_of(call.response), {}};
     reading.merge.deghost = !call.no_deghost;
     BallBuildOptions options = build_options(call, context.warnings);
 
-    std::optional<double> scale;
+    BallPhotographs photographs(std::move(reading), call.output.path);
     std::vector<BallView> views;
-    std::vector<std::string> sources;
-    for (const auto& given : call.views) {
-        const std::vector<fs::path> files = photographs_of(given);
-        check_not_an_input(call.output.path, files);
-        for (const fs::path& file : files) sources.push_back(file.filename().string());
-        const bool merged =
-            files.size() == 1 && (lower_extension(files.front()) == ".exr" || lower_extension(files.front()) == ".hdr");
-        views.push_back(merged ? radiance_view(files.front(), reading.camera, context.warnings)
-                               : merged_view(files, reading, scale, context.warnings));
-    }
+    for (const auto& given : call.views) views.push_back(photographs.read(given, context.warnings));
+    if (options.diffuse_ball) options.diffuse_ball->view = photographs.read(call.diffuse_ball, context.warnings);
     const BallBuild build = build_ball_probe(std::move(views), options, context.warnings);
     const double off_m = (build.place_m - build.ball.centre_m).norm();
     if (off_m > 3 * build.ball.radius_m) {
@@ -299,11 +242,12 @@ void run_build(const ProbeBuildCall& call, CommandContext& context) {
          {"orientation", build.tags.empty() ? std::string("the first photographer's: +y his forward, +z up")
                                             : fmt::format("the rig's: tags {}", fmt::join(build.tags, " "))},
          {"rotation_deg", "0"},
-         {"exposure_scale", fmt::format("{}", scale.value_or(1))},
+         {"exposure_scale", fmt::format("{}", photographs.exposure_scale())},
          {"coverage", fmt::format("{}", build.probe.coverage)},
-         {"source", fmt::format("{}", fmt::join(sources, " "))}},
+         {"source", fmt::format("{}", fmt::join(photographs.sources(), " "))}},
         {{"sigma", "seen", "clipped"}, known});
-    print_result(context, result_json(call, build, layout, scale.value_or(1)), result_text(call, build, layout));
+    print_result(context, result_json(call, build, layout, photographs.exposure_scale()),
+                 result_text(call, build, layout));
 }
 
 }  // namespace
@@ -352,6 +296,23 @@ void add_probe_build_command(CLI::App& probe, CommandContext& context) {
         ->type_name("METRES");
     command->add_flag("--no-plane", call->no_plane,
                       "Take everything as far away, also what lies on the tags' plane, with the ball's shadow on it");
+    command
+        ->add_option(
+            "--sun-from-diffuse-ball", call->diffuse_ball,
+            "Photographs (or one .exr or .hdr, merged as the views) of a matte grey or white ball in the mirror "
+            "ball's place, darker ones too: its shading tells what lights send that clip every --view. A tag is "
+            "whole in them or, without --rig, the camera stands as for the first --view")
+        ->expected(1, 1000)
+        ->type_name("PHOTOS");
+    command->add_option("--diffuse-circle", call->diffuse_circle, "The matte ball, by hand: x,y,radius in pixels")
+        ->delimiter(',')
+        ->expected(3)
+        ->type_name("X,Y,R");
+    command
+        ->add_option("--diffuse-albedo", call->diffuse_albedo,
+                     "Share of light the matte ball reflects, one number or r,g,b (default: told by its shaded side)")
+        ->delimiter(',')
+        ->type_name("SHARE");
     command->add_flag("--no-sun-from-tags", call->no_sun_from_tags,
                       "Leave lights that every photograph clips as they were photographed, too dark");
     command

@@ -8,6 +8,7 @@
 #include "compositor/exr_layers.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/lowercase.h"
 #include "media/frame_sink.h"
 #include "media/image_io.h"
 
@@ -16,8 +17,7 @@ namespace matchlight {
 namespace fs = std::filesystem;
 
 OutputKind output_kind(const fs::path& output) {
-    std::string ending = output.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string ending = lowercase_extension(output);
     if (ending == ".mp4" || ending == ".mov" || ending == ".mkv") return OutputKind::video;
     if (ending == ".png") return OutputKind::png;
     if (ending == ".exr") return OutputKind::exr;

@@ -40,6 +40,34 @@ void place_ball(BallBuild& build, const BallRig& rig, const RigPlane& plane, War
     if (build.fit) build.ball = build.fit->ball;
 }
 
+/// Outline and pose of the diffuse ball.
+BallView placed_diffuse_view(const BallBuildOptions& options, const BallView& first, Warnings& warnings) {
+    std::vector<BallView> view = {options.diffuse_ball->view};
+    view[0].outline = find_ball(view[0].radiance, view[0].camera, options.diffuse_ball->circle, view[0].name);
+    // Tags are the world's frame in each picture by itself. The ball's radius would count only where no tag is whole.
+    if (options.tags) {
+        find_rig(view, *options.tags, options.ball_radius_m, warnings);
+    } else {
+        view[0].camera_from_world = first.camera_from_world;
+    }
+    return std::move(view[0]);
+}
+
+void solve_clipped(BallBuild& build, const BallScene& scene, const BallBuildOptions& options, Warnings& warnings) {
+    if (options.diffuse_ball) {
+        build.diffuse_view = placed_diffuse_view(options, build.views.front(), warnings);
+        build.clipped_lights = solve_clipped_lights(build.probe, {*build.diffuse_view, options.diffuse_ball->albedo});
+        build.clipped_lights_by = "the diffuse ball";
+        if (build.clipped_lights.empty()) {
+            warnings.add(fmt::format("{}: the diffuse ball is not needed: no light of the probe is clipped",
+                                     build.diffuse_view->name.string()));
+        }
+    } else if (scene.plane && options.sun_from_tags) {
+        build.clipped_lights = solve_clipped_lights(build.probe, scene, options.tags->white_albedo);
+        build.clipped_lights_by = "the tags' paper";
+    }
+}
+
 }  // namespace
 
 BallBuild build_ball_probe(std::vector<BallView> views, const BallBuildOptions& options, Warnings& warnings) {
@@ -83,9 +111,7 @@ BallBuild build_ball_probe(std::vector<BallView> views, const BallBuildOptions& 
     unwrap.place_m = options.place_m.value_or(build.ball.centre_m);
     build.place_m = unwrap.place_m;
     build.probe = probe_from_balls(scene, unwrap);
-    if (scene.plane && options.sun_from_tags) {
-        build.clipped_lights = solve_clipped_lights(build.probe, scene, options.tags->white_albedo);
-    }
+    solve_clipped(build, scene, options, warnings);
     return build;
 }
 

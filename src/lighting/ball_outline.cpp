@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <numbers>
 #include <vector>
@@ -27,10 +28,17 @@ constexpr double least_significance = 9;
 cv::Mat log_light(const ImageF& radiance) {
     std::vector<double> values;
     for (std::size_t i = 0; i < radiance.samples().size(); i += 3 * 17) values.push_back(radiance.samples()[i + 1]);
-    const double median = values.empty() ? 1 : upper_median(values);
+    // Before black cloth the median is the cloth's: then the light of the brightest tenth counts.
+    double middle = 1;
+    if (!values.empty()) {
+        const auto bright = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 9 / 10);
+        std::ranges::nth_element(values, bright);
+        const double bright_light = *bright;
+        middle = std::max({upper_median(values), bright_light / 16, 1e-12});
+    }
     // A twentieth of the middle is added, so that noise in the dark makes no edges, and beyond sixteen times the middle
     // one lamp is like another.
-    const float lift = static_cast<float>(std::max(median, 1e-12) / 20), most = static_cast<float>(16 * median);
+    const float lift = static_cast<float>(middle / 20), most = static_cast<float>(16 * middle);
     cv::Mat result(radiance.height(), radiance.width(), CV_32FC3);
     for (int y = 0; y < radiance.height(); ++y) {
         auto* row = result.ptr<float>(y);

@@ -17,7 +17,7 @@
 namespace matchlight {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 /// Where the ball takes more than this of the light, what is left comes from the ball's own underside and the plane,
 /// back and forth, which is not followed.
 constexpr double deepest_shadow = 5;

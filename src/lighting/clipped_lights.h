@@ -3,21 +3,12 @@
 
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "lighting/ball_fit.h"
 #include "lighting/ball_probe.h"
 #include "lighting/ball_rig.h"
+#include "lighting/clipped_parts.h"
 
 namespace matchlight {
-
-/// A connected part of the probe that every photograph clips.
-struct ClippedLight {
-    Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // its centroid
-    double solid_angle_sr = 0;
-    Eigen::Vector3d gain = Eigen::Vector3d::Ones();   // energy over the lower bound that was photographed, RGB
-    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  // of the gain, relative; 1 where the paper tells nothing of it
-};
 
 /// Solves the energies of the clipped lights of `probe` from the light of the white cells of the tags, and multiplies
 /// their pixels by the gains (after Debevec, Tchou, Gardner et al. 2003, "Estimating Surface Reflectance Properties of

@@ -10,7 +10,7 @@
 namespace matchlight {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // Normalisation of the real spherical harmonics (Ramamoorthi & Hanrahan 2001, An Efficient Representation for
 // Irradiance Environment Maps, equation 3).

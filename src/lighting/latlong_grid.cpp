@@ -9,7 +9,7 @@
 namespace matchlight {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 LatlongRow row_between(double top, double bottom) {
     const double z0 = std::cos(top);

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 struct CubeFace {
     Eigen::Vector3i outward, right, down;  // world directions of the face's middle, of image right and of image down

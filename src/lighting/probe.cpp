@@ -10,7 +10,7 @@
 namespace matchlight {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 constexpr std::array<std::pair<ProbeMapping, const char*>, 4> mapping_names = {
     {{ProbeMapping::latlong, "latlong"},

@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double degree = pi / 180;
 
 /// Light this much under the mean is too little to be seen beside the rest, and to be told from a camera's noise.

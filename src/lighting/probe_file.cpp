@@ -14,6 +14,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/lowercase.h"
 #include "core/transfer.h"
 #include "lighting/resample.h"
 #include "media/exr_file.h"
@@ -69,15 +70,9 @@ bool shows_a_disc(const ImageF& image) {
     return background(corners) >= 0.8 && background(rim) <= 0.8;
 }
 
-std::string lower_case(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
-}
-
 bool name_says_mirror_ball(const fs::path& path) {
     std::string letters;
-    for (const char c : lower_case(path.stem().string())) {
+    for (const char c : lowercase(path.stem().string())) {
         if (std::isalnum(static_cast<unsigned char>(c))) letters += c;
     }
     return letters.find("mirrorball") != std::string::npos || letters.find("chromeball") != std::string::npos;
@@ -207,7 +202,7 @@ Probe load_probe(const fs::path& path, std::optional<ProbeMapping> mapping, Warn
 }
 
 void require_probe_extension(const fs::path& path) {
-    const std::string extension = lower_case(path.extension().string());
+    const std::string extension = lowercase(path.extension().string());
     if (extension != ".exr" && extension != ".hdr") throw InputError(path, "probes are written as .exr or .hdr");
 }
 
@@ -227,7 +222,7 @@ RecordedChannels recorded_channels(const fs::path& path, const ProbeLayout& layo
 void write_probe_image(const fs::path& path, const ImageF& image, const ProbeLayout& layout, ImageMetadata metadata,
                        const RecordedChannels& beside) {
     require_probe_extension(path);
-    if (lower_case(path.extension().string()) == ".hdr") {
+    if (lowercase(path.extension().string()) == ".hdr") {
         write_radiance_hdr(path, image);
         return;
     }

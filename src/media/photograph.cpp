@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -12,6 +11,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include "core/error.h"
+#include "core/lowercase.h"
 #include "media/image_io.h"
 #include "media/input_limits.h"
 #include "media/open_picture.h"
@@ -29,9 +29,7 @@ constexpr std::array<const char*, 21> raw_extensions = {".3fr", ".arw", ".cr2", 
                                                         ".nrw", ".orf", ".pef", ".raf", ".rw2", ".srw", ".x3f"};
 
 bool is_raw_name(const fs::path& path) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = lowercase_extension(path);
     return std::find(raw_extensions.begin(), raw_extensions.end(), extension) != raw_extensions.end();
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/lowercase.h"
 #include "media/exr_file.h"
 #include "media/image_io.h"
 
@@ -61,9 +62,7 @@ Region whole(const SideFootage& side) {
 }
 
 bool is_exr(const fs::path& path) {
-    std::string ending = path.extension().string();
-    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-    return ending == ".exr";
+    return lowercase_extension(path) == ".exr";
 }
 
 /// The channel that holds depth, by its name.

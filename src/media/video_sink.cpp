@@ -1,7 +1,6 @@
 // Encoding and muxing through FFmpeg's libraries; every status is looked at, so that a full disk is found out.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -11,6 +10,7 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/lowercase.h"
 #include "media/audio_copy.h"
 #include "media/av_log.h"
 #include "media/av_pointers.h"
@@ -140,8 +140,7 @@ void VideoSink::Impl::check(int status, const char* what) const {
 
 void VideoSink::Impl::open_container() {
     const fs::path& output = pending.final_path();
-    std::string extension = output.extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = lowercase_extension(output);
     if (extension != ".mp4" && extension != ".mov" && extension != ".mkv")
         throw InputError(output, fmt::format("\"{}\" names no video container", extension), "use .mp4, .mov or .mkv");
     AVFormatContext* context = nullptr;

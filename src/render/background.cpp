@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/lowercase.h"
 #include "core/transfer.h"
 #include "lighting/latlong_pyramid.h"
 #include "media/image_io.h"
@@ -31,8 +32,7 @@ Texture2D sky_texture(const Probe& probe) {
 }
 
 bool is_scene_linear(const std::filesystem::path& path) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string ending = lowercase_extension(path);
     return ending == ".exr" || ending == ".hdr";
 }
 

@@ -38,7 +38,7 @@ void set_under_state() {
     glDisable(GL_CULL_FACE);
 }
 
-void leave_state() {
+void leave_layers_state() {
     glDepthMask(GL_TRUE);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
@@ -66,7 +66,7 @@ int SpherePeeling::peel_rows(const Peeled& peeled, int first_row, int rows, cons
         if (looks) query.begin();
         peeled.light(layer);
         if (looks) AnySamples::end();
-        leave_state();
+        leave_layers_state();
         glDisable(GL_SCISSOR_TEST);
         ++layers;
         if (looks && !query.any()) break;

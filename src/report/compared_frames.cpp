@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/lowercase.h"
 #include "media/frame_source.h"
 #include "media/image_io.h"
 #include "report/srgb_picture.h"
@@ -17,15 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string lower_extension(const fs::path& path) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return extension;
-}
-
 bool is_linear_picture(const fs::path& path) {
-    const std::string extension = lower_extension(path);
+    const std::string extension = lowercase_extension(path);
     return extension == ".exr" || extension == ".hdr";
 }
 
@@ -95,7 +89,7 @@ private:
 bool is_single_picture(const fs::path& path) {
     constexpr std::array extensions{".png", ".jpg", ".jpeg", ".tif",  ".tiff", ".bmp",
                                     ".ppm", ".pgm", ".tga",  ".webp", ".exr",  ".hdr"};
-    const std::string extension = lower_extension(path);
+    const std::string extension = lowercase_extension(path);
     return !is_pattern(path) && std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
 }
 

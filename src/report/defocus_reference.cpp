@@ -19,7 +19,7 @@ double overlap(double radius_px, double away_px) {
 }
 
 /// Overlap · intensity · leakage control, as shaders/effects/depth_of_field/weights.glsl has it.
-struct Weights {
+struct DiscWeights {
     double largest_radius_px = 0;
 
     double radius_px(double coc_px) const { return std::clamp(std::abs(coc_px) / 2, 0.5, largest_radius_px); }
@@ -38,7 +38,8 @@ struct Gathered {
     double coc_px = 0;  // the pixel's own, or what light goes on with
 };
 
-Gathered gathered(const DefocusImages& images, const Weights& weights, std::span<const DefocusTap> taps, int x, int y) {
+Gathered gathered(const DefocusImages& images, const DiscWeights& weights, std::span<const DefocusTap> taps, int x,
+                  int y) {
     const double own = images.coc_px.at(x, y);
     const bool covered = !std::isnan(own);
     Gathered result{.coc_px = own};
@@ -74,7 +75,7 @@ Gathered gathered(const DefocusImages& images, const Weights& weights, std::span
     return result;
 }
 
-DefocusImages blurred(const DefocusImages& images, const Weights& weights, std::span<const DefocusTap> taps) {
+DefocusImages blurred(const DefocusImages& images, const DiscWeights& weights, std::span<const DefocusTap> taps) {
     DefocusImages result(images.light.width(), images.light.height());
     parallel_for(images.light.height(), [&](int y) {
         for (int x = 0; x < images.light.width(); ++x) {
@@ -157,7 +158,7 @@ void DefocusImages::set(int x, int y, double value, double signed_coc_px) {
 }
 
 ImageD reference_two_pass(const DefocusImages& images, double largest_radius_px) {
-    const Weights weights{largest_radius_px};
+    const DiscWeights weights{largest_radius_px};
     const int reach = std::max(images.light.width(), images.light.height());
     std::vector<DefocusTap> across, down;
     for (int i = -reach; i <= reach; ++i) {

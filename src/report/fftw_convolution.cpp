@@ -13,21 +13,21 @@ namespace {
 using Complex = std::complex<double>;
 
 /// A plane of real numbers, its transform, and the plans between them.
-class Plane {
+class TransformedPlane {
 public:
-    Plane(int width, int height)
+    TransformedPlane(int width, int height)
         : width_(width),
           height_(height),
           places_(static_cast<std::size_t>(width) * height),
           spectrum_(static_cast<std::size_t>(width / 2 + 1) * height),
           forward_(fftw_plan_dft_r2c_2d(height, width, places_.data(), frequencies(), FFTW_ESTIMATE)),
           back_(fftw_plan_dft_c2r_2d(height, width, frequencies(), places_.data(), FFTW_ESTIMATE)) {}
-    ~Plane() {
+    ~TransformedPlane() {
         fftw_destroy_plan(forward_);
         fftw_destroy_plan(back_);
     }
-    Plane(const Plane&) = delete;
-    Plane& operator=(const Plane&) = delete;
+    TransformedPlane(const TransformedPlane&) = delete;
+    TransformedPlane& operator=(const TransformedPlane&) = delete;
 
     /// Negative places count from the far end.
     double& at(int x, int y) {
@@ -59,8 +59,8 @@ Image<double> convolve_fftw(const Image<double>& picture, const Image<double>& k
     const int height = picture.height() + down;
     Image<double> result(picture.width(), picture.height(), picture.channels());
     for (int c = 0; c < picture.channels(); ++c) {
-        Plane light(width, height);
-        Plane spread(width, height);
+        TransformedPlane light(width, height);
+        TransformedPlane spread(width, height);
         for (int y = 0; y < picture.height(); ++y) {
             for (int x = 0; x < picture.width(); ++x) light.at(x, y) = picture.at(x, y, c);
         }

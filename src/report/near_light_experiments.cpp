@@ -15,7 +15,7 @@ struct NearLightChoice {
     Quality quality;
 };
 
-ImageF picture_of(const SceneStage& stage, const Quality& quality, const Region& region) {
+ImageF picture_with_rays(const SceneStage& stage, const Quality& quality, const Region& region) {
     const auto compositor = stage.compositor_with_rays(quality, true);
     const CompositedFrame frame = compositor->composite(*stage.plate);
     return cropped(frame.layers->beauty, region.moved(-frame.layers->region.x, -frame.layers->region.y));
@@ -50,7 +50,9 @@ std::optional<Region> begin(Experiment& experiment, const SceneStage& stage) {
 Candidate candidate_of(const SceneStage& stage, const NearLightChoice& choice, const Region& region) {
     Candidate candidate;
     candidate.point = {.level = choice.label, .knobs = choice.knobs, .precision = "32F"};
-    candidate.picture = [&stage, quality = choice.quality, region] { return picture_of(stage, quality, region); };
+    candidate.picture = [&stage, quality = choice.quality, region] {
+        return picture_with_rays(stage, quality, region);
+    };
     return candidate;
 }
 
@@ -66,7 +68,7 @@ std::optional<Experiment> near_reflection_experiment(const SceneStage& stage, co
     if (!region) return experiment;
     const int rays = options.quick ? 4 : 64;
     const auto converged = [&](int lobe_rays) {
-        return picture_of(stage, with_reflection({.lobe_rays = lobe_rays, .bounces = 8}), *region);
+        return picture_with_rays(stage, with_reflection({.lobe_rays = lobe_rays, .bounces = 8}), *region);
     };
     experiment.report.reference =
         fmt::format("{} rays a sample along each lobe, through 8 mirrors, in single precision", rays);
@@ -102,9 +104,9 @@ std::optional<Experiment> bounce_light_experiment(const SceneStage& stage, const
     if (!region) return experiment;
     const int rays = options.quick ? 32 : 1024;
     const auto converged = [&](int count) {
-        return picture_of(stage,
-                          with_bounce({.rays = count, .surface_rays = 2 * count, .bounces = 6, .surface_points = 192}),
-                          *region);
+        return picture_with_rays(
+            stage, with_bounce({.rays = count, .surface_rays = 2 * count, .bounces = 6, .surface_points = 192}),
+            *region);
     };
     experiment.report.reference =
         fmt::format("{} rays a vertex, {} a point of the surface, in single precision", rays, 2 * rays);

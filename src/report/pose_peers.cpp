@@ -19,7 +19,7 @@ namespace matchlight {
 namespace {
 
 /// Lengths that libraries meet as pixels: their stopping rules suppose such a scale.
-constexpr double focal_px = 1000;
+constexpr double peer_focal_px = 1000;
 
 /// The library does not export its own making and freeing of matrices: one block each, from calloc.
 using Matd = std::unique_ptr<matd_t, void (*)(void*)>;
@@ -52,14 +52,15 @@ struct BestPose {
         for (std::size_t i = 0; i < seen_px.size(); ++i) {
             const Eigen::Vector3d point = camera_from_points * points_m.col(static_cast<Eigen::Index>(i));
             if (!(point.z() > 0)) return;
-            squared += (focal_px * point.hnormalized() - Eigen::Vector2d(seen_px[i].x, seen_px[i].y)).squaredNorm();
+            squared +=
+                (peer_focal_px * point.hnormalized() - Eigen::Vector2d(seen_px[i].x, seen_px[i].y)).squaredNorm();
         }
         if (squared < squared_px) squared_px = squared, pose = camera_from_points;
     }
 };
 
 cv::Matx33d camera_matrix() {
-    return {focal_px, 0, 0, 0, focal_px, 0, 0, 0, 1};
+    return {peer_focal_px, 0, 0, 0, peer_focal_px, 0, 0, 0, 1};
 }
 
 /// IPPE's pose of points in a plane z = 0. It is asked for both sides of the plane: OpenCV turns the points onto a
@@ -127,14 +128,14 @@ RigidTransform apriltag_pose(const TagCorners& corners_normalized, double size_m
     apriltag_detection_t detection{};
     std::vector<cv::Point2f> ideal{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}, seen;
     for (int i = 0; i < 4; ++i) {
-        const Eigen::Vector2d px = focal_px * corners_normalized.col(i);
+        const Eigen::Vector2d px = peer_focal_px * corners_normalized.col(i);
         detection.p[i][0] = px.x(), detection.p[i][1] = px.y();
         seen.emplace_back(static_cast<float>(px.x()), static_cast<float>(px.y()));
     }
     // Only where the iteration starts.
     const Matd start = matd_of(cv::getPerspectiveTransform(ideal, seen));
     detection.H = start.get();
-    apriltag_detection_info_t info{&detection, size_m, focal_px, focal_px, 0, 0};
+    apriltag_detection_info_t info{&detection, size_m, peer_focal_px, peer_focal_px, 0, 0};
     apriltag_pose_t found{};
     estimate_tag_pose(&info, &found);
     const Matd rotation(found.R, std::free), shift(found.t, std::free);
@@ -152,7 +153,7 @@ RigidTransform apriltag_pose(const TagCorners& corners_normalized, double size_m
 std::optional<RigidTransform> ippe_pose(const TagCorners& corners_normalized, double size_m) {
     std::vector<cv::Point2d> seen_px;
     for (const auto& corner : corners_normalized.colwise())
-        seen_px.emplace_back(focal_px * corner.x(), focal_px * corner.y());
+        seen_px.emplace_back(peer_focal_px * corner.x(), peer_focal_px * corner.y());
     return ippe_pose_of_plane(tag_corners_m(size_m), seen_px);
 }
 
@@ -163,7 +164,7 @@ std::optional<RigidTransform> solve_pnp_pose(const std::vector<SeenPoint>& point
     std::vector<cv::Point2d> seen_px;
     for (const SeenPoint& point : points) {
         world.emplace_back(point.world_m.x(), point.world_m.y(), point.world_m.z());
-        seen_px.emplace_back(focal_px * point.normalized.x(), focal_px * point.normalized.y());
+        seen_px.emplace_back(peer_focal_px * point.normalized.x(), peer_focal_px * point.normalized.y());
     }
     constexpr double flat = 1e-3;
     const FittedPlane plane = fitted_plane(points);

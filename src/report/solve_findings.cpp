@@ -33,8 +33,8 @@ double rms_px(const TagCorners& residual_px) {
     return std::sqrt(residual_px.colwise().squaredNorm().mean());
 }
 
-FrameFindings findings_of(const Solve& solve, const SolvedFrame& frame, const FrameObservations* seen) {
-    FrameFindings found;
+FrameResiduals findings_of(const Solve& solve, const SolvedFrame& frame, const FrameObservations* seen) {
+    FrameResiduals found;
     if (frame.camera_from_world && frame.covariance) {
         found.predicted_px = predicted_error_px(solve, *frame.camera_from_world, *frame.covariance);
     }
@@ -60,7 +60,7 @@ FrameFindings findings_of(const Solve& solve, const SolvedFrame& frame, const Fr
     return found;
 }
 
-TagFindings findings_of_tag(const Solve& solve, const std::vector<FrameFindings>& frames, int id) {
+TagFindings findings_of_tag(const Solve& solve, const std::vector<FrameResiduals>& frames, int id) {
     TagFindings found{.id = id};
     double squares = 0;
     for (std::size_t i = 0; i < frames.size(); ++i) {

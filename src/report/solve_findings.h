@@ -21,7 +21,7 @@ struct TagResidual {
     bool used = false;       // the pose rests on it
 };
 
-struct FrameFindings {
+struct FrameResiduals {
     std::vector<TagResidual> tags;  // of the rig
     /// What the pose's covariance makes of the rig's corners in the picture: standard deviation, RMS over them.
     std::optional<double> predicted_px;
@@ -45,9 +45,9 @@ struct FlaggedRun {
 };
 
 struct SolveFindings {
-    std::vector<FrameFindings> frames;  // parallel to the solve's
-    std::vector<TagFindings> tags;      // in the rig's order
-    std::vector<FlaggedRun> flagged;    // worst reason first
+    std::vector<FrameResiduals> frames;  // parallel to the solve's
+    std::vector<TagFindings> tags;       // in the rig's order
+    std::vector<FlaggedRun> flagged;     // worst reason first
     std::optional<double> median_reprojection_px;
 };
 

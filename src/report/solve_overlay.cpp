@@ -106,7 +106,7 @@ void draw_rig(Overlay& overlay, const Solve& solve, const RigidTransform& camera
     overlay.line_world(camera_from_world, origin, longest_m * Eigen::Vector3d::UnitZ(), blue, 2);
 }
 
-void draw_found(Overlay& overlay, const FrameFindings& findings, bool posed) {
+void draw_found(Overlay& overlay, const FrameResiduals& findings, bool posed) {
     const double arm = 4 * overlay.px_of_drawing();
     for (const TagResidual& tag : findings.tags) {
         for (int i = 0; i < 4; ++i) {
@@ -123,7 +123,7 @@ void draw_found(Overlay& overlay, const FrameFindings& findings, bool posed) {
 }  // namespace
 
 std::string solve_overlay_url(const Image8& picture, const Solve& solve, const SolvedFrame& frame,
-                              const FrameFindings& findings) {
+                              const FrameResiduals& findings) {
     Overlay overlay(picture, solve.camera);
     if (frame.camera_from_world) draw_rig(overlay, solve, *frame.camera_from_world);
     draw_found(overlay, findings, frame.camera_from_world.has_value());

@@ -15,6 +15,6 @@ inline constexpr double overlay_magnification = 20;
 /// as red lines, magnified; red, green, blue: the world's x, y, z. At most 960 pixels wide, as the data URL of a JPEG.
 /// Throws InputError when it cannot be encoded.
 std::string solve_overlay_url(const Image8& picture, const Solve& solve, const SolvedFrame& frame,
-                              const FrameFindings& findings);
+                              const FrameResiduals& findings);
 
 }  // namespace matchlight

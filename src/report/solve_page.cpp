@@ -217,7 +217,7 @@ std::string residual_section(const Solve& solve, const SolveFindings& found, con
     for (const SolvedTag& tag : solve.rig) {
         TimelineRow& row = rows.emplace_back();
         row.name = fmt::format("tag {}", tag.id);
-        for (const FrameFindings& frame : found.frames) {
+        for (const FrameResiduals& frame : found.frames) {
             int level = 0;
             for (const TagResidual& seen : frame.tags) {
                 if (seen.id == tag.id) level = std::max(level, seen.used ? 2 : 1);

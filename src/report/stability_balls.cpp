@@ -6,8 +6,11 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "lighting/ball_outline.h"
 #include "lighting/ball_probe.h"
+#include "lighting/diffuse_ball.h"
 #include "lighting/latlong_grid.h"
 #include "report/stability_cases.h"
 #include "report/synthetic_ball.h"
@@ -67,6 +70,36 @@ StabilityOutcome lamp_energy(double radius_px, int rays, double radiance, int he
     return {energy / (radiance * 2 * std::numbers::pi * (1 - std::cos(lamp_radius)))};
 }
 
+/// A lamp that photographs held at `limit` alone, its energy solved by a matte ball's shading, over the truth.
+StabilityOutcome clipped_lamp_energy(double radiance, float limit) {
+    constexpr int height = 64;
+    const auto is_lamp = [](int x, int y) {
+        return latlong_direction(x, y, 2 * height, height).dot(lamp) > std::cos(2 * lamp_radius);
+    };
+    const Sky walls = room_with_lamp(lamp, 1);
+    Probe truth{ImageF(2 * height, height, 3)};
+    BallProbe probe{truth.latlong, ImageF(2 * height, height, 1), {}, ImageF(2 * height, height, 1)};
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < 2 * height; ++x) {
+            const Eigen::Vector3d light = walls(latlong_direction(x, y, 2 * height, height));
+            for (int c = 0; c < 3; ++c) {
+                truth.latlong.at(x, y, c) = static_cast<float>(is_lamp(x, y) ? radiance : light[c]);
+                probe.radiance.at(x, y, c) = is_lamp(x, y) ? limit : truth.latlong.at(x, y, c);
+            }
+            probe.clipped.at(x, y) = is_lamp(x, y) ? 1.0F : 0.0F;
+        }
+    }
+    const BallShot shot = shot_of(40);
+    DiffuseBall matte{photographed_matte(shot, Eigen::Vector3d::Constant(0.5),
+                                         [&](const Eigen::Vector3d& normal) { return irradiance(truth, normal); }),
+                      std::nullopt};
+    const Eigen::Vector3d centre = shot.camera_from_world * shot.ball.centre_m;
+    matte.view.outline.axis = centre.normalized();
+    matte.view.outline.half_angle = std::asin(shot.ball.radius_m / centre.norm());
+    const auto lights = solve_clipped_lights(probe, matte);
+    return {lights.empty() ? 0 : lights.front().gain.y() * static_cast<double>(limit) / radiance};
+}
+
 }  // namespace
 
 std::vector<StabilityCase> ball_cases(bool quick) {
@@ -90,6 +123,14 @@ std::vector<StabilityCase> ball_cases(bool quick) {
          {},
          [] { return lamp_energy(150, 3, 1e6, 128); }},
     };
+    for (const double radiance : {12.0, 1e6, 1e12}) {
+        cases.push_back({"matte ball",
+                         fmt::format("a lamp of {:g} times the walls that photographs held at 10", radiance),
+                         "its energy over the truth",
+                         {0.95, 1.05},
+                         {},
+                         [radiance] { return clipped_lamp_energy(radiance, 10); }});
+    }
     if (quick) return cases;
     cases.push_back({"mirror ball", "of 3000 pixels", "outline off by, px", {0, 0.6}, {}, [] {
                          return StabilityOutcome{outline_error_px(1500, 1, false)};

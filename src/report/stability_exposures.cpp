@@ -167,7 +167,7 @@ struct Sun {
     }
 };
 
-void add_sun_cases(std::vector<StabilityCase>& cases) {
+void add_sun_in_brackets_cases(std::vector<StabilityCase>& cases) {
     constexpr float light = 3e5f;  // a million times the walls
     std::vector<double> exposures;
     for (int i = 0; i < 8; ++i) exposures.push_back(2 * std::pow(0.125, i));  // the sun is full down to the seventh
@@ -223,7 +223,7 @@ void add_response_cases(std::vector<StabilityCase>& cases) {
 std::vector<StabilityCase> exposure_cases() {
     std::vector<StabilityCase> cases;
     add_extreme_cases(cases);
-    add_sun_cases(cases);
+    add_sun_in_brackets_cases(cases);
     add_response_cases(cases);
     return cases;
 }

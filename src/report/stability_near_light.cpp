@@ -15,7 +15,7 @@ namespace matchlight {
 namespace {
 
 constexpr double furnace_light = 0.5;
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double infinite_error = std::numeric_limits<double>::infinity();
 
 ObjectSettings shape_of(const char* shape, const Eigen::Vector3d& at_m, double size_m) {
     ObjectSettings object;
@@ -83,7 +83,7 @@ StabilityOutcome furnace_error(const FrameLayers& layers) {
                 worst = std::max(worst, std::abs(layers.virtual_rgba.at(x, y, c) / furnace_light - 1));
         }
     }
-    return {pixels > 0 ? worst : infinite};
+    return {pixels > 0 ? worst : infinite_error};
 }
 
 /// Samples of all layers of light that are no light; one more where nothing virtual is seen.
@@ -154,7 +154,7 @@ StabilityCase trial_case(const char* effect, const std::string& name, const Near
                 double square = 0, light = 0, measured = 0;
                 for (std::size_t i = 0; i < drawn.samples().size(); ++i) {
                     const double error = drawn.samples()[i] - reference.samples()[i];
-                    square += std::isfinite(error) ? error * error : infinite;
+                    square += std::isfinite(error) ? error * error : infinite_error;
                     light += reference.samples()[i];
                     measured += reference.samples()[i] != 0 || drawn.samples()[i] != 0 ? 1 : 0;
                 }

@@ -21,7 +21,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int height = 64;
 
 struct Flux {

@@ -78,6 +78,26 @@ inline BallView photographed(const BallShot& shot, const Sky& sky, int side = 4)
     return view;
 }
 
+/// A Lambertian ball in the mirror's place, posed: `irradiance` by its normal; before the backdrop or black. A ray a
+/// pixel.
+inline BallView photographed_matte(const BallShot& shot, const Eigen::Vector3d& albedo, const Sky& irradiance) {
+    BallView view;
+    view.name = "matte";
+    view.camera = shot.camera;
+    view.camera_from_world = shot.camera_from_world;
+    view.radiance = ImageF(shot.camera.width, shot.camera.height, 3);
+    const Eigen::Vector3d eye = view.eye_m();
+    parallel_for(shot.camera.height, [&](int y) {
+        for (int x = 0; x < shot.camera.width; ++x) {
+            const auto hit = hit_ball(shot.ball, eye, view.ray(Eigen::Vector2d(x, y)));
+            Eigen::Vector3d light = shot.backdrop.value_or(Eigen::Vector3d::Zero());
+            if (hit) light = albedo.cwiseProduct(irradiance(hit->normal)) / std::numbers::pi;
+            for (int c = 0; c < 3; ++c) view.radiance.at(x, y, c) = static_cast<float>(light[c]);
+        }
+    });
+    return view;
+}
+
 /// A room: bright above, dark below, a window, a red wall, and a lamp at `lamp` of 3° radius.
 inline Sky room_with_lamp(const Eigen::Vector3d& lamp, double lamp_radiance) {
     return [=](const Eigen::Vector3d& d) -> Eigen::Vector3d {

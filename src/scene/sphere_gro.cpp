@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t first_number = 20;  // after residue number and name, atom name and number, five columns each
 
 /// Atoms have names, not elements: "CA" of residue "CA" is calcium, of any other a carbon.
-int element_of(std::string_view line) {
+int element_of_gro(std::string_view line) {
     const std::string_view residue = trimmed(line.substr(5, 5));
     std::string_view name = trimmed(line.substr(10, 5));
     while (!name.empty() && name.front() >= '0' && name.front() <= '9') name.remove_prefix(1);
@@ -66,7 +66,7 @@ void read_gro_spheres(ChunkedFile& file, std::int64_t frame, SphereBuilder& buil
         };
         SphereRecord record;
         record.line = file.line_number();
-        record.element = element_of(line);
+        record.element = element_of_gro(line);
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const auto number = number_at(axis, width);
             if (!number) file.fail("it has no three coordinates");

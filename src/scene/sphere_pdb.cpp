@@ -18,7 +18,7 @@ std::string_view columns(std::string_view line, std::size_t first, std::size_t l
 }
 
 /// Columns 77 and 78 name the element; older files have it only in the atom's name, right-justified in 13 and 14.
-int element_of(std::string_view line) {
+int element_of_pdb(std::string_view line) {
     const std::string_view named = columns(line, 77, 78);
     if (const int known = named.empty() ? 0 : atomic_number(named)) return known;
     if (line.size() < 14) return 0;
@@ -55,7 +55,7 @@ void read_pdb_spheres(ChunkedFile& file, std::int64_t frame, SphereBuilder& buil
             if (!number) file.fail(fmt::format("'{}' is no coordinate", text));
             record.centre[axis] = *number;
         }
-        record.element = element_of(*line);
+        record.element = element_of_pdb(*line);
         // Many programs leave these blank.
         record.put(occupancy, number_in(columns(*line, 55, 60)).value_or(1));
         record.put(b_factor, number_in(columns(*line, 61, 66)).value_or(0));

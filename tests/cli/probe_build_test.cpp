@@ -71,6 +71,24 @@ TEST_F(ProbeBuild, RefusesWhatCannotBecomeAProbe) {
                    {"empty", "no photograph"});
 }
 
+TEST_F(ProbeBuild, RefusesWhatCannotBeADiffuseBall) {
+    const std::string lens = camera(160, 120), plain = picture("plain.exr");
+    const std::vector<std::string> mirror = {"--view", plain, "--camera", lens, "--ball-radius", "0.035"};
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), mirror.begin(), mirror.end());
+        return more;
+    };
+    expect_refused(with({"--diffuse-albedo", "0.18"}), {"--sun-from-diffuse-ball"});
+    expect_refused(with({"--sun-from-diffuse-ball", plain, "--diffuse-albedo", "18"}),
+                   {"--diffuse-albedo", "at most 1"});
+    expect_refused(with({"--sun-from-diffuse-ball", (scratch_ / "none.exr").string()}), {"none.exr"});
+    // An .exr says radiance, a .png is developed here: nobody knows the factor between them.
+    const std::string developed = (scratch_ / "grey.png").string();
+    Image16 grey(160, 120, 3);
+    write_png16(developed, grey);
+    expect_refused(with({"--sun-from-diffuse-ball", developed}), {"grey.png", "merged already"});
+}
+
 TEST_F(ProbeBuild, RefusesToWriteOverItsPhotographs) {
     const std::string plain = picture("plain.exr");
     EXPECT_TRUE(failed_naming(run_matchlight({"probe", "build", "-o", plain, "--overwrite", "--view", plain, "--camera",

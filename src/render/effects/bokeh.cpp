@@ -10,7 +10,7 @@ namespace matchlight {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Of the polygon's straight sides.
 double polygon_distance(const BokehSettings& bokeh, const Eigen::Vector2d& point) {

@@ -19,7 +19,7 @@ int tile_side_px(const Region& region) {
     return side;
 }
 
-constexpr GLuint first_unit = 10;  // after those that CompositePass::set_layer takes
+constexpr GLuint first_blur_unit = 10;  // after those that CompositePass::set_layer takes
 
 }  // namespace
 
@@ -49,7 +49,7 @@ GraphTexture add_plate_ways(RenderGraph& graph, ShaderLibrary& shaders, const Co
                                composite.set_layer(program, input);
                                const bool drawn = input.layer != nullptr && input.layer->ways != nullptr;
                                program.set("ways_present", drawn);
-                               if (drawn) program.bind_texture("layer_ways", first_unit, *input.layer->ways);
+                               if (drawn) program.bind_texture("layer_ways", first_blur_unit, *input.layer->ways);
                                program.set("least_motion_px", least_motion_px);
                                run.draw(program);
                            }})[0];
@@ -116,7 +116,7 @@ GraphTexture add_shadow_motion_blur(RenderGraph& graph, ShaderLibrary& shaders, 
              Program& program = shaders.full_screen("effects/motion_blur/shadow.frag");
              program.use();
              composite.set_layer(program, input);
-             run.bind(program, "ratio", first_unit, shadow.ratio);
+             run.bind(program, "ratio", first_blur_unit, shadow.ratio);
              const RigidTransform world_from_camera = input.optics.camera_from_world.inverse();
              program.set("world_from_camera", Eigen::Matrix3f(world_from_camera.linear().cast<float>()));
              program.set("eye_world_m", Eigen::Vector3f(world_from_camera.translation().cast<float>()));

@@ -50,6 +50,27 @@ TEST(BallOutline, OfTwentyPixelsIsFoundToo) {
     expect_found(shot, photographed(shot, room), {}, 0.4);
 }
 
+TEST(BallOutline, AMatteBallBeforeBlackClothIsFound) {
+    BallShot shot;
+    shot.ball = {{0, 0, 0.05}, 0.035};
+    shot.camera = long_lens(320, 240, 6 * 320);
+    shot.camera_from_world = looking_at({0.3, -0.6, 0.35}, shot.ball.centre_m);
+    const Eigen::Vector3d lamp = Eigen::Vector3d(0.3, 0.5, 0.8).normalized();
+    for (const double cloth : {0.0, 1e-4}) {
+        shot.backdrop = Eigen::Vector3d::Constant(cloth);
+        const BallView view = photographed_matte(shot, {0.5, 0.5, 0.5}, [&](const Eigen::Vector3d& normal) {
+            return Eigen::Vector3d::Constant(1 + 10 * std::max(0.0, normal.dot(lamp))).eval();
+        });
+        const BallOutline found = find_ball(view.radiance, view.camera, std::nullopt, "matte");
+        const Eigen::Vector3d centre = shot.camera_from_world * shot.ball.centre_m;
+        const Eigen::Vector2d off =
+            view.camera.pixel_from_camera(found.axis) - view.camera.pixel_from_camera(centre.normalized());
+        // A ray a pixel: the outline has steps.
+        EXPECT_LT(off.norm(), 0.3) << cloth;
+        EXPECT_NEAR(found.half_angle, std::asin(shot.ball.radius_m / centre.norm()), 0.5 / view.camera.fx) << cloth;
+    }
+}
+
 TEST(BallOutline, TheCircleByHandMayBeOffByATenth) {
     const BallShot shot = shot_of(400, 60, {11, 9});
     const Eigen::Vector2d centre = shot.camera.pixel_from_camera(shot.camera_from_world * shot.ball.centre_m);

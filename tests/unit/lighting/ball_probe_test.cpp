@@ -197,19 +197,44 @@ TEST(BallRegister, FindsTheTurnBetweenViewsWithoutTags) {
     EXPECT_GT((-views[0].eye_m()).normalized().y(), 0.999);
 }
 
-TEST(BallBuild, WithoutTagsTheLightTurnsWithThePhotographer) {
+TEST(BallBuild, WithoutTagsTheLightTurnsWithThePhotographerAndAMatteBallTellsItsStrength) {
     BallShot shot = shot_from({0.02, -0.7, 0.05});
     shot.backdrop = Eigen::Vector3d(0.35, 0.33, 0.3);
+    BallView mirror = photographed(shot, room);
+    // A tenth of the lamp is what the photographs hold.
+    constexpr float limit = lamp_radiance / 10;
+    mirror.clipped = Image8(mirror.camera.width, mirror.camera.height, 1);
+    for (int y = 0; y < mirror.camera.height; ++y) {
+        for (int x = 0; x < mirror.camera.width; ++x) {
+            float* radiance = mirror.radiance.pixel(x, y);
+            if (radiance[1] < limit) continue;
+            mirror.clipped.at(x, y) = 255;
+            std::fill_n(radiance, 3, limit);
+        }
+    }
+    const Probe walls = test::probe_of(32, room_with_lamp(lamp, 0));
+    const double lamp_irradiance = lamp_radiance * std::numbers::pi * std::pow(std::sin(3 * std::numbers::pi / 180), 2);
     BallBuildOptions options;
     options.ball_radius_m = ball.radius_m;
+    options.diffuse_ball.emplace();
+    options.diffuse_ball->view =
+        photographed_matte(shot, {0.5, 0.5, 0.5}, [&](const Eigen::Vector3d& normal) -> Eigen::Vector3d {
+            const double lit = std::max(0.0, normal.dot(lamp)) * lamp_irradiance;
+            return irradiance(walls, normal) + Eigen::Vector3d::Constant(lit);
+        });
+    options.diffuse_ball->view.camera_from_world.reset();
     Warnings warnings;
     warnings.set_quiet(true);
-    const BallBuild build = build_ball_probe({photographed(shot, room)}, options, warnings);
+    const BallBuild build = build_ball_probe({mirror}, options, warnings);
     Eigen::Vector3d direction;
-    energy_around(probe_of(build.probe), lamp, 25, &direction);
+    const Eigen::Vector3d energy = energy_around(probe_of(build.probe), lamp, 5, &direction);
     // He looks along +y, within the little that the ball lies off the middle of his picture.
     EXPECT_LT(std::acos(std::min(1.0, direction.dot(lamp))) * 180 / std::numbers::pi, 1.5);
     EXPECT_EQ(build.reflectance_by, "taken as 1");
+    EXPECT_EQ(build.clipped_lights_by, "the diffuse ball");
+    ASSERT_EQ(build.clipped_lights.size(), 1U);
+    // Pixels that the lamp covers in part are no lower bound, so the gain is not ten; the energy is what counts.
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(energy[c], lamp_irradiance, 0.1 * lamp_irradiance);
 }
 
 }  // namespace
