@@ -21,7 +21,7 @@ uniform bool alpha_blends = false;  // else what is left is opaque
 // Where a texture is read; the base colour's lies as the vertices say (scene/placed_material.cpp).
 #ifdef UV_MAPPINGS
 in vec2 material_uv_second;
-uniform vec3 uv_rows[26];             // two a slot
+uniform vec3 uv_rows[30];             // two a slot
 uniform int slots_of_second_uv = 0;   // by the same bits
 vec2 uv_of(int bit, vec2 uv) {
     int slot = findLSB(bit);

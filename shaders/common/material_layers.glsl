@@ -1,7 +1,8 @@
 // What a glTF material may have above metallic-roughness. Each part is there where its definition is, so that materials
 // without it pay nothing. Include common/material.glsl before.
 const int has_coat = 32, has_coat_roughness = 64, has_coat_normal = 128, has_sheen_color = 256,
-          has_sheen_roughness = 512, has_specular = 1024, has_specular_color = 2048, has_anisotropy = 4096;
+          has_sheen_roughness = 512, has_specular = 1024, has_specular_color = 2048, has_anisotropy = 4096,
+          has_transmission = 8192, has_thickness = 16384;
 
 #ifdef COAT  // KHR_materials_clearcoat
 uniform float coat_strength, coat_roughness_factor, coat_normal_scale;
@@ -105,5 +106,25 @@ Anisotropy anisotropy_at(vec2 uv, vec3 n, vec4 tangent, bool front_facing, float
     t *= inversesqrt(length2);
     vec3 b = cross(front_facing ? n : -n, t) * tangent.w;
     return Anisotropy(normalize(direction.x * t + direction.y * b), mix(alpha, 1.0, strength * strength));
+}
+#endif
+
+#ifdef TRANSMISSION  // KHR_materials_transmission and KHR_materials_volume
+uniform float transmission_factor, thickness_factor, refractive_index;
+uniform vec3 absorbed_per_unit;          // of thickness
+uniform sampler2D transmission_texture;  // R
+uniform sampler2D thickness_texture;     // G
+
+float transmission_at(vec2 uv) {
+    float strength = transmission_factor;
+    if ((material_textures & has_transmission) != 0)
+        strength *= texture(transmission_texture, uv_of(has_transmission, uv)).r;
+    return clamp(strength, 0.0, 1.0);
+}
+// In the mesh's own units; 0: a thin wall.
+float thickness_at(vec2 uv) {
+    float thickness = thickness_factor;
+    if ((material_textures & has_thickness) != 0) thickness *= texture(thickness_texture, uv_of(has_thickness, uv)).g;
+    return max(thickness, 0.0);
 }
 #endif

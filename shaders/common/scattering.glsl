@@ -23,13 +23,21 @@ const vec3 dielectric_f0 = vec3(0.04);
 struct MaterialScattering {
     vec3 mirrored;   // times what the lobe around the reflection shows
     vec3 diffuse;    // times irradiance over π
+#ifdef TRANSMISSION
+    vec3 entered;    // of that, what goes below the surface
+#endif
 };
+#ifdef TRANSMISSION
+#define sends(mirrored, multiple, entered) MaterialScattering(mirrored, multiple + entered, entered)
+#else
+#define sends(mirrored, multiple, entered) MaterialScattering(mirrored, multiple + entered)
+#endif
 MaterialScattering material_scattering(vec3 base, float metallic, vec2 table) {
     Scattering dielectric = scattering(dielectric_f0, table);
     Scattering metal = scattering(base, table);
     vec3 multiple = mix(dielectric.multiple, metal.multiple, metallic);
-    vec3 transmitted = (1.0 - metallic) * base * (1.0 - dielectric.single - dielectric.multiple);
-    return MaterialScattering(mix(dielectric.single, metal.single, metallic), multiple + transmitted);
+    vec3 entered = (1.0 - metallic) * base * (1.0 - dielectric.single - dielectric.multiple);
+    return sends(mix(dielectric.single, metal.single, metallic), multiple, entered);
 }
 
 #ifdef SPECULAR
@@ -40,7 +48,7 @@ MaterialScattering material_scattering(vec3 base, float metallic, vec2 table, ve
     vec3 multiple = mix(dielectric.multiple, metal.multiple, metallic);
     // The largest channel decides: a tinted reflection does not tint what is below with its complement.
     vec3 taken = dielectric.single + dielectric.multiple;
-    vec3 transmitted = (1.0 - metallic) * base * (1.0 - max(taken.r, max(taken.g, taken.b)));
-    return MaterialScattering(mix(dielectric.single, metal.single, metallic), multiple + transmitted);
+    vec3 entered = (1.0 - metallic) * base * (1.0 - max(taken.r, max(taken.g, taken.b)));
+    return sends(mix(dielectric.single, metal.single, metallic), multiple, entered);
 }
 #endif

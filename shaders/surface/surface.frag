@@ -10,6 +10,9 @@
 #if defined(RAYS) || defined(SHEEN)
 #include "common/directions.glsl"
 #endif
+#ifdef TRANSMISSION
+#include "surface/transmission.glsl"
+#endif
 #ifdef RAYS
 #include "common/object_light.glsl"
 #include "surface/lobe.glsl"
@@ -312,7 +315,13 @@ void main() {
 #endif
         reflection = sent.mirrored * shown * specular_occlusion(n_dot_v, occlusion, roughness);
         reflection_roughness = roughness;
+#ifdef TRANSMISSION
+        vec3 through = sent.entered * transmission_at(material_uv);
+        radiance = reflection + (sent.diffuse - through) * diffuse_light * occlusion +
+                   through * light_through(n, v, roughness, thickness_at(material_uv));
+#else
         radiance = reflection + sent.diffuse * diffuse_light * occlusion;
+#endif
 #ifdef SHEEN
         vec3 sheen_color = sheen_color_at(material_uv);
         float sheen_roughness = sheen_roughness_at(material_uv);

@@ -13,6 +13,7 @@
 #include "compositor/clipped_plate.h"
 #include "compositor/compositor.h"
 #include "compositor/layer_effects.h"
+#include "compositor/plate_behind.h"
 #include "compositor/quality.h"
 #include "compositor/reach.h"
 #include "compositor/scene_objects.h"
@@ -83,7 +84,7 @@ public:
 
 private:
     /// Begins the frame in the graph, with the passes that draw objects and background.
-    void begin(bool layers);
+    void begin(const PlateFrame& plate, bool layers);
     GraphTexture add_surface(bool layers);
     /// A picture of what lies in `bounds`, as a pinhole has it and without a lens; sets the layer's geometry.
     struct PlacedView {
@@ -141,7 +142,11 @@ private:
 
     FrameResources resources_;
     const FramePlan& plan_;
-    std::vector<PassInput> light_drawn_;  // what drawing surfaces reads
+    /// What shades surfaces: the clip's light, and what the plate shows behind those that light passes.
+    SurfaceShading shading() const;
+
+    std::vector<PassInput> light_drawn_;       // what drawing surfaces reads
+    std::optional<PlateBehind> plate_behind_;  // of footage, where something in view lets light through
     VirtualLayer layer_;
     VirtualLayer coverage_layer_;  // the same, its coverage in place of its light
     GraphTexture layer_drawn_;

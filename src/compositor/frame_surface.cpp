@@ -84,6 +84,16 @@ std::optional<RealDepth> FramePasses::real_depth(const PlacedView& placed) const
                      .cells = cells};
 }
 
+SurfaceShading FramePasses::shading() const {
+    SurfaceShading shading = resources_.light.shading();
+    if (!plate_behind_) return shading;
+    shading.bind = [light = shading.bind, &behind = *plate_behind_](Program& program) {
+        if (light) light(program);
+        behind.bind(program);
+    };
+    return shading;
+}
+
 GraphTexture FramePasses::add_surface(bool layers) {
     RenderGraph& graph = resources_.graph;
     std::vector<PassInput> inputs = light_drawn_;
@@ -111,13 +121,13 @@ GraphTexture FramePasses::add_surface(bool layers) {
                         const ClipLight& lit = resources_.light;
                         SurfaceRenderer& surfaces = resources_.surfaces;
                         layer_.picture = draw_surface(drawn_view, resources_.accumulator, [&](const SurfaceView& one) {
-                            return surfaces.draw(lit.environment(), one, lit.shading());
+                            return surfaces.draw(lit.environment(), one, shading());
                         });
                         layer_.hidden = layer_.transparent = {};
                         if (plan_.layer_effects.needs_hidden())
-                            layer_.hidden = surfaces.draw_hidden(lit.environment(), seen, lit.shading());
+                            layer_.hidden = surfaces.draw_hidden(lit.environment(), seen, shading());
                         if (seen.lens && seen.lens->parts_transparent)
-                            layer_.transparent = surfaces.draw_transparent(lit.environment(), seen, lit.shading());
+                            layer_.transparent = surfaces.draw_transparent(lit.environment(), seen, shading());
                         if (plan_.layer_effects.gathers_motion())
                             layer_.ways = &surfaces.draw_ways(seen, shutter_ways());
                         if (plan_.neighbours) draw_exchange(seen);
@@ -260,6 +270,7 @@ SurfacePicture FramePasses::draw_surface(const PlacedView& placed, SurfaceAccumu
 }
 
 std::vector<ObjectWay> FramePasses::object_ways(const FrameShutter& shutter, std::array<double, 2> times) const {
+    resources_.objects.set_ways(shutter.time(times[0]), shutter.time(times[1]));
     std::vector<ObjectWay> ways;
     for (std::size_t object = 0; object < resources_.surfaces.object_count(); ++object) {
         const auto camera_from_model = [&](double time) -> Eigen::Matrix4d {
@@ -267,7 +278,8 @@ std::vector<ObjectWay> FramePasses::object_ways(const FrameShutter& shutter, std
                    resources_.objects.world_from_model(object, shutter.time(time));
         };
         ways.push_back({.opening_camera_from_model = camera_from_model(times[0]),
-                        .closing_camera_from_model = camera_from_model(times[1])});
+                        .closing_camera_from_model = camera_from_model(times[1]),
+                        .deforms = resources_.objects.deforms(object)});
     }
     return ways;
 }

@@ -25,6 +25,7 @@ ObjectSettings loaded_part(const ObjectSettings& object) {
     part.scale = plain.scale;
     part.keys.clear();
     part.spin.reset();
+    part.animation = {.name = object.animation.name};
     part.parent_tag.reset();
     part.reflection = plain.reflection;
     part.casts_shadow = plain.casts_shadow;
@@ -66,6 +67,7 @@ SceneChange change_between(const Scene& before, const Scene& after) {
         change.placement = change.placement || differs(was, is, &ObjectSettings::translate_m) ||
                            differs(was, is, &ObjectSettings::rotate_deg) || differs(was, is, &ObjectSettings::scale) ||
                            differs(was, is, &ObjectSettings::keys) || differs(was, is, &ObjectSettings::spin) ||
+                           differs(was, is, &ObjectSettings::animation) ||
                            differs(was, is, &ObjectSettings::parent_tag);
         change.materials = change.materials || differs(was, is, &ObjectSettings::material);
         change.reflection = change.reflection || differs(was, is, &ObjectSettings::reflection);

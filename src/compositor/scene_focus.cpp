@@ -24,6 +24,8 @@ void SceneFocus::set_scene(const Scene& scene) {
 }
 
 void SceneFocus::read_objects() {
+    objects_.clear();
+    read_at_ = surfaces_.deformations();
     for (const std::string& name : names_) objects_.push_back({.name = name, .triangles = {}, .box_m = {}});
     for (PlacedMesh& mesh : surfaces_.read_meshes()) {
         FocusObject& object = objects_.at(mesh.object);
@@ -40,7 +42,7 @@ void SceneFocus::read_objects() {
 std::optional<double> SceneFocus::depth_m(const DepthOfFieldSettings& settings, const RigidTransform& camera_from_world,
                                           Warnings& warnings) {
     const bool casts_rays = settings.focus_on == FocusTarget::middle || settings.focus_on == FocusTarget::object;
-    if (casts_rays && objects_.empty()) read_objects();
+    if (casts_rays && (objects_.empty() || read_at_ != surfaces_.deformations())) read_objects();
     for (std::size_t i = 0; i < objects_.size(); ++i) objects_[i].world_from_model = surfaces_.world_from_model(i);
     return autofocus_depth_m(settings, {camera_, camera_from_world, objects_, surface_z_m_}, warnings);
 }

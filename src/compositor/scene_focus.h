@@ -35,6 +35,7 @@ private:
     std::vector<std::string> names_;
     std::vector<ObjectFocus> apart_;
     std::vector<FocusObject> objects_;  // read back when a ray is first needed
+    std::size_t read_at_ = 0;           // as SurfaceRenderer counts deformations
 };
 
 }  // namespace matchlight

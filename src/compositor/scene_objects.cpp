@@ -2,12 +2,14 @@
 #include "compositor/scene_objects.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
 #include "render/surface_mesh.h"
+#include "scene/mesh_geometry.h"
 #include "scene/model.h"
 #include "scene/sphere_file.h"
 #include "scene/subdivide.h"
@@ -44,9 +46,9 @@ void add_back_sides(Model& model) {
         if (is_closed_outward_surface(mesh)) continue;
         const std::size_t vertices = mesh.vertices.size(), indices = mesh.indices.size();
         for (std::size_t i = 0; i < vertices; ++i) {
-            ModelVertex behind = mesh.vertices[i];
-            for (float& component : behind.normal) component = -component;
-            mesh.vertices.push_back(behind);
+            mesh.vertices.push_back(back_of(mesh.vertices[i]));
+            const auto number = static_cast<std::uint32_t>(i);
+            if (mesh.binding) mesh.derived.push_back({number, number});
         }
         for (std::size_t i = 0; i + 2 < indices; i += 3) {
             for (const std::size_t corner : {i, i + 2, i + 1})
@@ -63,7 +65,6 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
     if (preparation.traced) rays_.emplace();
     int id = 0;
     for (const ObjectSettings& object : scene.objects) {
-        if (moves(object)) moving_.push_back(objects_.size());
         objects_.push_back({object, world_from_parent(object, solve, scene.path)});
         SurfaceObject added{.model = nullptr,
                             .world_from_model = world_from_model(objects_.size() - 1, time),
@@ -84,9 +85,14 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
             surfaces.add_object(added);
         }
         if (rays_) rays_->add_object(model, object.material, object.holdout);
+        PosedModel posed(model, object.animation.name, object.model.empty() ? scene.path : object.model);
+        if (posed.moves()) deforming_.push_back({objects_.size() - 1, std::move(posed)});
+        if (is_moving(objects_.size() - 1)) moving_.push_back(objects_.size() - 1);
     }
     if (rays_) rays_->finish();
     for (std::size_t i = 0; i < objects_.size(); ++i) placed_.push_back(surfaces_.world_from_model(i));
+    poses_.assign(deforming_.size(), std::numeric_limits<double>::quiet_NaN());
+    deform(time);
     place_rays();
 }
 
@@ -98,10 +104,11 @@ void SceneObjects::set_scene(const Scene& scene, const Solve& solve, const ClipT
     objects_ = std::move(changed);
     moving_.clear();
     for (std::size_t i = 0; i < objects_.size(); ++i) {
-        if (moves(objects_[i].settings)) moving_.push_back(i);
+        if (is_moving(i)) moving_.push_back(i);
         placed_[i] = world_from_model(i, time);
         surfaces_.place_object(i, placed_[i]);
     }
+    deform(time);
     place_rays();
 }
 
@@ -129,7 +136,49 @@ void SceneObjects::place(const ClipTime& time) {
         placed_[object] = world_from_model(object, time);
         surfaces_.place_object(object, placed_[object]);
     }
+    deform(time);
     place_rays();
+}
+
+bool SceneObjects::deforms(std::size_t object) const {
+    return std::ranges::any_of(deforming_, [&](const Deforming& one) { return one.object == object; });
+}
+
+const std::vector<ModelMesh>& SceneObjects::meshes_at(Deforming& deforming, const ClipTime& time) const {
+    const AnimationSettings& settings = objects_[deforming.object].settings.animation;
+    return deforming.model.at(deforming.model.animation_time_s(settings, time.time_s));
+}
+
+void SceneObjects::deform(const ClipTime& time) {
+    for (std::size_t i = 0; i < deforming_.size(); ++i) {
+        Deforming& deforming = deforming_[i];
+        const AnimationSettings& settings = objects_[deforming.object].settings.animation;
+        const double pose_s = deforming.model.animation_time_s(settings, time.time_s);
+        if (poses_[i] == pose_s) continue;
+        poses_[i] = pose_s;
+        const std::vector<ModelMesh>& meshes = deforming.model.at(pose_s);
+        surfaces_.deform_object(deforming.object, meshes);
+        if (rays_) rays_->deform_object(deforming.object, meshes);
+    }
+}
+
+std::vector<Eigen::Vector3d> SceneObjects::positions_m(std::size_t object, const ClipTime& time) {
+    std::vector<Eigen::Vector3d> positions_m;
+    for (Deforming& deforming : deforming_) {
+        if (deforming.object != object) continue;
+        for (const ModelMesh& mesh : meshes_at(deforming, time)) {
+            for (const ModelVertex& vertex : mesh.vertices)
+                positions_m.push_back(Eigen::Vector3f(vertex.position.data()).cast<double>());
+        }
+    }
+    return positions_m;
+}
+
+void SceneObjects::set_ways(const ClipTime& opening, const ClipTime& closing) {
+    for (Deforming& deforming : deforming_) {
+        surfaces_.set_way_end(deforming.object, meshes_at(deforming, opening), WayEnd::opening);
+        surfaces_.set_way_end(deforming.object, meshes_at(deforming, closing), WayEnd::closing);
+    }
 }
 
 void SceneObjects::place_rays() {
@@ -138,8 +187,14 @@ void SceneObjects::place_rays() {
 
 PlacementChange SceneObjects::change_since_lit() const {
     PlacementChange change;
+    const auto is_posed_otherwise = [&](std::size_t object) {
+        for (std::size_t i = 0; i < deforming_.size(); ++i) {
+            if (deforming_[i].object == object && poses_[i] != lit_poses_[i]) return true;
+        }
+        return false;
+    };
     for (std::size_t i = 0; i < placed_.size(); ++i) {
-        if (i < lit_.size() && placed_[i] == lit_[i]) continue;
+        if (i < lit_.size() && placed_[i] == lit_[i] && !is_posed_otherwise(i)) continue;
         change.any = true;
         const ObjectSettings& moved = objects_[i].settings;
         change.casters = change.casters || (moved.casts_shadow && !moved.holdout);

@@ -11,6 +11,7 @@
 #include "core/warnings.h"
 #include "render/ray_scene.h"
 #include "render/surface.h"
+#include "scene/model_pose.h"
 #include "scene/object_motion.h"
 #include "scene/scene_file.h"
 #include "tracking/solve_file.h"
@@ -48,16 +49,32 @@ public:
     /// Puts every object that moves where it is at `time`.
     void place(const ClipTime& time);
     Eigen::Matrix4d world_from_model(std::size_t object, const ClipTime& time) const;
+    /// Whether its vertices move against each other, by an animation of its model.
+    bool deforms(std::size_t object) const;
+    /// Of such an object, in its model's axes.
+    std::vector<Eigen::Vector3d> positions_m(std::size_t object, const ClipTime& time);
+    /// Where the vertices of those objects are at the ends of what SurfaceRenderer::draw_ways() draws.
+    void set_ways(const ClipTime& opening, const ClipTime& closing);
 
     /// What the light's maps were made for: changed by place() and set_scene(), until they are made anew.
     PlacementChange change_since_lit() const;
-    void mark_lit() { lit_ = placed_; }
+    void mark_lit() {
+        lit_ = placed_;
+        lit_poses_ = poses_;
+    }
 
 private:
     struct Object {
         ObjectSettings settings;
         Eigen::Affine3d world_from_parent;
     };
+    struct Deforming {
+        std::size_t object = 0;
+        PosedModel model;
+    };
+    bool is_moving(std::size_t object) const { return moves(objects_[object].settings) || deforms(object); }
+    const std::vector<ModelMesh>& meshes_at(Deforming& deforming, const ClipTime& time) const;
+    void deform(const ClipTime& time);
     void place_rays();
     void add_spheres(const SurfaceObject& added, const ObjectSettings& object, const std::filesystem::path& scene,
                      Warnings& warnings);
@@ -68,6 +85,8 @@ private:
     std::vector<std::size_t> moving_;      // indices of objects
     std::vector<Eigen::Matrix4d> placed_;  // one an object
     std::vector<Eigen::Matrix4d> lit_;
+    std::vector<Deforming> deforming_;
+    std::vector<double> poses_, lit_poses_;  // their animations' times as placed_ and lit_ are; NaN: none yet
 };
 
 }  // namespace matchlight

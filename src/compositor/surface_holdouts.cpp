@@ -47,8 +47,10 @@ void widen(Image8& mask, const Region& around) {
 SurfaceHoldouts::SurfaceHoldouts(const Scene& scene, const Solve& solve, Warnings& warnings)
     : camera_(solve.camera), surface_z_m_(scene.surface.z_m) {
     for (const ObjectSettings& object : scene.objects) {
-        if (stands_for_real(object))
-            holdouts_.push_back({load(object, scene, warnings), object, world_from_parent(object, solve, scene.path)});
+        if (!stands_for_real(object)) continue;
+        Model model = load(object, scene, warnings);
+        PosedModel posed(model, object.animation.name, object.model.empty() ? scene.path : object.model);
+        holdouts_.push_back({std::move(model), object, world_from_parent(object, solve, scene.path), std::move(posed)});
     }
 }
 
@@ -59,7 +61,9 @@ Image8 SurfaceHoldouts::before_surface(const SolvedFrame& frame, const LensMap& 
         const Eigen::Affine3d world_from_model =
             holdout.world_from_parent * object_placement(holdout.settings, time_of(frame));
         Eigen::AlignedBox3d box_m;
-        for (const ModelMesh& mesh : holdout.model.meshes) {
+        PosedModel posed = holdout.posed;
+        const double pose_s = posed.animation_time_s(holdout.settings.animation, time_of(frame).time_s);
+        for (const ModelMesh& mesh : posed.moves() ? posed.at(pose_s) : holdout.model.meshes) {
             std::vector<Eigen::Vector3d> positions_m;
             for (const ModelVertex& vertex : mesh.vertices) {
                 const Eigen::Vector3d position = Eigen::Vector3f(vertex.position.data()).cast<double>();
@@ -103,7 +107,11 @@ void add_holdouts(ContentHash& hash, const Scene& scene, const Solve& solve,
         hash.add(object.shape);
         if (!object.model.empty()) add_model_contents(hash, object.model, unheard);
         const Eigen::Affine3d world_from = world_from_parent(object, solve, scene.path);
+        const AnimationSettings& animation = object.animation;
+        hash.add(
+            fmt::format("{} {:.17g} {:.17g} {}", animation.name, animation.speed, animation.start_s, animation.loop));
         for (const SolvedFrame* frame : frames) {
+            hash.add(fmt::format("{:.17g}", frame->time_s));
             const Eigen::Affine3d placement = world_from * object_placement(object, time_of(*frame));
             for (const double value : placement.matrix().reshaped()) hash.add(fmt::format("{:.17g}", value));
         }

@@ -11,6 +11,7 @@
 #include "core/image.h"
 #include "core/warnings.h"
 #include "scene/model.h"
+#include "scene/model_pose.h"
 #include "scene/object_motion.h"
 #include "scene/scene_file.h"
 #include "tracking/solve_file.h"
@@ -32,6 +33,7 @@ private:
         Model model;
         ObjectSettings settings;
         Eigen::Affine3d world_from_parent;
+        PosedModel posed;
     };
     std::vector<Holdout> holdouts_;
     const Camera& camera_;

@@ -17,14 +17,19 @@ Eigen::Vector2d pinhole_pixel(const Eigen::Vector3d& point_camera_m, const Camer
     return {camera.fx * point_camera_m.x() / z_m, camera.fy * point_camera_m.y() / z_m};
 }
 
+MotionExtent within_picture(const MotionExtent& extent, const Camera& camera) {
+    // A lens stretches ways by some percent, and between corners a way may be a little longer than theirs.
+    constexpr double margin = 1.25;
+    const double longest_px = std::hypot(camera.width, camera.height);
+    return {.way_px = std::min(extent.way_px * margin, longest_px),
+            .spread_px = std::min(extent.spread_px * margin, longest_px)};
+}
+
 /// The way of one point, `camera_point_m` of the time in frames.
 MotionExtent extent_of(const std::function<Eigen::Vector3d(double)>& camera_point_m, double share,
                        const Camera& camera) {
-    // A lens stretches ways by some percent, and between corners a way may be a little longer than theirs.
-    constexpr double margin = 1.25;
     // Of a body that turns by less than half a turn: no way between leaves those to them by more than the margin.
     constexpr int steps = 8;
-    const double longest_px = std::hypot(camera.width, camera.height);
     const Eigen::Vector2d middle = pinhole_pixel(camera_point_m(0), camera);
     const Eigen::Vector2d opening = pinhole_pixel(camera_point_m(-share / 2), camera);
     const Eigen::Vector2d closing = pinhole_pixel(camera_point_m(share / 2), camera);
@@ -33,8 +38,28 @@ MotionExtent extent_of(const std::function<Eigen::Vector3d(double)>& camera_poin
         const double time = share * (static_cast<double>(i) / steps - 0.5);
         extent.spread_px = std::max(extent.spread_px, (pinhole_pixel(camera_point_m(time), camera) - middle).norm());
     }
-    return {.way_px = std::min(extent.way_px * margin, longest_px),
-            .spread_px = std::min(extent.spread_px * margin, longest_px)};
+    return within_picture(extent, camera);
+}
+
+/// Of all vertices at the shutter's opening, middle and closing: a limb does not swing far within it.
+MotionExtent deforming_extent(SceneObjects& objects, std::size_t object, const FrameShutter& shutter,
+                              const Camera& camera) {
+    const auto pixels_at = [&](double time) {
+        const Eigen::Affine3d camera_from_model(shutter.camera_from_world(time).matrix() *
+                                                objects.world_from_model(object, shutter.time(time)));
+        std::vector<Eigen::Vector2d> pixels;
+        for (const Eigen::Vector3d& position_m : objects.positions_m(object, shutter.time(time)))
+            pixels.push_back(pinhole_pixel(camera_from_model * position_m, camera));
+        return pixels;
+    };
+    const std::vector<Eigen::Vector2d> opening = pixels_at(-shutter.share() / 2), middle = pixels_at(0),
+                                       closing = pixels_at(shutter.share() / 2);
+    MotionExtent extent;
+    for (std::size_t i = 0; i < middle.size(); ++i) {
+        extent.extend({.way_px = (closing[i] - opening[i]).norm(),
+                       .spread_px = std::max((opening[i] - middle[i]).norm(), (closing[i] - middle[i]).norm())});
+    }
+    return within_picture(extent, camera);
 }
 
 }  // namespace
@@ -44,10 +69,14 @@ void MotionExtent::extend(const MotionExtent& other) {
     spread_px = std::max(spread_px, other.spread_px);
 }
 
-MotionExtent object_motion_extent(const SurfaceRenderer& surfaces, const SceneObjects& objects,
-                                  const FrameShutter& shutter, const Camera& camera) {
+MotionExtent object_motion_extent(const SurfaceRenderer& surfaces, SceneObjects& objects, const FrameShutter& shutter,
+                                  const Camera& camera) {
     MotionExtent extent;
     for (std::size_t object = 0; object < surfaces.object_count(); ++object) {
+        if (objects.deforms(object)) {
+            extent.extend(deforming_extent(objects, object, shutter, camera));
+            continue;
+        }
         const Eigen::AlignedBox3d box_m = surfaces.model_bounds_m(object);
         if (box_m.isEmpty()) continue;
         for (int i = 0; i < 8; ++i) {

@@ -17,9 +17,10 @@ struct MotionExtent {
     void extend(const MotionExtent& other);
 };
 
-/// Of the corners of every object's box; those behind the near plane are taken to it.
-MotionExtent object_motion_extent(const SurfaceRenderer& surfaces, const SceneObjects& objects,
-                                  const FrameShutter& shutter, const Camera& camera);
+/// Of the corners of every object's box, and of all vertices where they move against each other; those behind the near
+/// plane are taken to it.
+MotionExtent object_motion_extent(const SurfaceRenderer& surfaces, SceneObjects& objects, const FrameShutter& shutter,
+                                  const Camera& camera);
 /// Of the real surface at height `z_m`, where the frame sees it.
 MotionExtent surface_motion_extent(double z_m, const FrameShutter& shutter, const LensMap& lens_map,
                                    const Camera& camera);

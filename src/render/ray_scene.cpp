@@ -11,7 +11,6 @@
 #include "core/transfer.h"
 #include "render/surface_material.h"
 #include "render/surface_mesh.h"
-#include "scene/triangle_tree.h"
 
 namespace matchlight {
 
@@ -19,6 +18,9 @@ namespace {
 
 /// Of both transforms of a mesh, as common/rays.glsl reads them.
 constexpr int rows = 6;
+
+/// What lets more than this pass is seen through rather than seen.
+constexpr float least_transmission = 0.5F;
 
 float bits(std::uint32_t value) {
     return std::bit_cast<float>(value);
@@ -86,7 +88,15 @@ void RayScene::add_object(const Model& model, const MaterialOverride& material, 
                                  .base_metallic = {base.x(), base.y(), base.z(), metallic_roughness.x()}});
             emission_.push_back({emission.x(), emission.y(), emission.z(), 0.0F});
         }
-        if (factors.alpha_mode == AlphaMode::blend && !is_holdout) continue;
+        if (mesh.binding) {
+            bound_.push_back({.object = objects_,
+                              .mesh = static_cast<std::size_t>(&mesh - model.meshes.data()),
+                              .first_vertex = static_cast<std::size_t>(first_vertex),
+                              .tree = {}});
+        }
+        const bool shows_behind = factors.alpha_mode == AlphaMode::blend ||
+                                  (factors.transmission && factors.transmission->strength > least_transmission);
+        if (shows_behind && !is_holdout) continue;
         const bool is_closed = is_closed_outward_surface(mesh);
         const TriangleTree tree = make_triangle_tree(mesh.vertices, mesh.indices);
         const auto first_node = static_cast<int>(nodes_.size() / 2);
@@ -95,23 +105,50 @@ void RayScene::add_object(const Model& model, const MaterialOverride& material, 
                            .end_node = first_node + static_cast<int>(tree.nodes.size()),
                            .first_triangle = static_cast<int>(triangles_.size()),
                            .vertices = is_holdout ? -1 : 2 * first_vertex + (is_closed ? 1 : 0)});
-        for (const TriangleTreeNode& node : tree.nodes) {
-            const auto skip = static_cast<std::uint32_t>(first_node + node.skip);
-            nodes_.push_back({node.low[0], node.low[1], node.low[2], bits(skip)});
-            nodes_.push_back({node.high[0], node.high[1], node.high[2], bits(node.leaf)});
+        for (const TriangleTreeNode& node : tree.nodes) append_node(node, static_cast<std::size_t>(first_node), nodes_);
+        if (mesh.binding) {
+            bound_.back().first_node = static_cast<std::size_t>(first_node);
+            bound_.back().first_triangle = triangles_.size();
+            bound_.back().tree = tree;
         }
-        for (const TreeTriangle& triangle : tree.triangles) {
-            const auto corner = [&](std::size_t i) {
-                return Eigen::Vector3f(mesh.vertices[triangle.corners.at(i)].position.data());
-            };
-            const auto with_bits = [&](const Eigen::Vector3f& xyz, std::size_t i) {
-                return Float4{xyz.x(), xyz.y(), xyz.z(), bits(triangle.corners.at(i))};
-            };
-            triangles_.push_back(
-                {with_bits(corner(0), 0), with_bits(corner(1) - corner(0), 1), with_bits(corner(2) - corner(0), 2)});
-        }
+        for (const TreeTriangle& triangle : tree.triangles) triangles_.push_back(corners_of(triangle, mesh.vertices));
     }
     ++objects_;
+}
+
+void RayScene::append_node(const TriangleTreeNode& node, std::size_t first_node, std::vector<Float4>& to) {
+    const auto skip = static_cast<std::uint32_t>(first_node) + static_cast<std::uint32_t>(node.skip);
+    to.push_back({node.low[0], node.low[1], node.low[2], bits(skip)});
+    to.push_back({node.high[0], node.high[1], node.high[2], bits(node.leaf)});
+}
+
+RayScene::Triangle RayScene::corners_of(const TreeTriangle& triangle, std::span<const ModelVertex> vertices) {
+    const auto corner = [&](std::size_t i) {
+        return Eigen::Vector3f(vertices[triangle.corners.at(i)].position.data());
+    };
+    const auto with_bits = [&](const Eigen::Vector3f& xyz, std::size_t i) {
+        return Float4{xyz.x(), xyz.y(), xyz.z(), bits(triangle.corners.at(i))};
+    };
+    return {with_bits(corner(0), 0), with_bits(corner(1) - corner(0), 1), with_bits(corner(2) - corner(0), 2)};
+}
+
+void RayScene::deform_object(std::size_t index, std::span<const ModelMesh> meshes) {
+    for (Bound& bound : bound_) {
+        if (bound.object != index) continue;
+        const std::vector<ModelVertex>& vertices = meshes[bound.mesh].vertices;
+        const std::span<Vertex> own = std::span(vertices_).subspan(bound.first_vertex, vertices.size());
+        for (std::size_t i = 0; i < vertices.size(); ++i)
+            std::ranges::copy(vertices[i].normal, own[i].normal_roughness.begin());
+        vertex_texels_.buffer.upload(std::span<const Vertex>(own), bound.first_vertex * sizeof(Vertex));
+        if (bound.tree.nodes.empty()) continue;
+        refit(bound.tree, vertices);
+        std::vector<Float4> nodes;
+        for (const TriangleTreeNode& node : bound.tree.nodes) append_node(node, bound.first_node, nodes);
+        std::vector<Triangle> triangles;
+        for (const TreeTriangle& triangle : bound.tree.triangles) triangles.push_back(corners_of(triangle, vertices));
+        node_texels_.buffer.upload(std::span<const Float4>(nodes), 2 * bound.first_node * sizeof(Float4));
+        triangle_texels_.buffer.upload(std::span<const Triangle>(triangles), bound.first_triangle * sizeof(Triangle));
+    }
 }
 
 void RayScene::finish() {

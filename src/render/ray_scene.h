@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -11,12 +12,13 @@
 #include "gl/program.h"
 #include "scene/model.h"
 #include "scene/scene_file.h"
+#include "scene/triangle_tree.h"
 
 namespace matchlight {
 
-/// Each mesh has a hierarchy in its model's own axes, so that an object that moves needs no other. Blended meshes are
-/// not met: most of what they let through would be lost. Vertices are numbered over all meshes of all objects in the
-/// order in which they were added, blended ones included, as SurfaceRenderer numbers them.
+/// Each mesh has a hierarchy in its model's own axes, so that an object that moves needs no other. Blended meshes and
+/// those that transmit are not met: most of what they let through would be lost. Vertices are numbered over all meshes
+/// of all objects in the order in which they were added, blended ones included, as SurfaceRenderer numbers them.
 class RayScene {
 public:
     /// `model` is only read while adding. Base colour, metallic, roughness and emission are taken at the vertices. A
@@ -26,6 +28,10 @@ public:
     void finish();
     /// Where the objects stand, in the order they were added; before the first ray and after every change.
     void place(const std::vector<Eigen::Matrix4d>& world_from_model);
+
+    /// Moves the vertices of the meshes of an object's model that are bound to a rig, after finish(); `meshes` are all
+    /// of them.
+    void deform_object(std::size_t index, std::span<const ModelMesh> meshes);
 
     bool empty() const { return placed_.empty(); }
     std::size_t vertex_count() const { return vertices_.size(); }
@@ -59,7 +65,17 @@ private:
         int vertices = 0;  // the first one's number · 2 + whether it is a closed surface; −1: a holdout
     };
 
+    /// A mesh whose vertices move.
+    struct Bound {
+        std::size_t object = 0, mesh = 0;  // the mesh's number in its model
+        std::size_t first_vertex = 0, first_node = 0, first_triangle = 0;
+        TriangleTree tree;  // empty where rays do not meet it
+    };
+    static void append_node(const TriangleTreeNode& node, std::size_t first_node, std::vector<Float4>& to);
+    static Triangle corners_of(const TreeTriangle& triangle, std::span<const ModelVertex> vertices);
+
     std::size_t objects_ = 0;
+    std::vector<Bound> bound_;
     std::vector<Vertex> vertices_;
     std::vector<Float4> emission_;
     std::vector<Float4> nodes_;  // two a node

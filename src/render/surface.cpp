@@ -44,6 +44,26 @@ void SurfaceRenderer::place_object(std::size_t index, const Eigen::Matrix4d& wor
     objects_.at(index).world_from_model = world_from_model;
 }
 
+void SurfaceRenderer::deform_object(std::size_t index, std::span<const ModelMesh> meshes) {
+    ++deformations_;
+    // Those without triangles were not added.
+    std::size_t next = 0;
+    for (const ModelMesh& mesh : meshes) {
+        if (mesh.indices.empty()) continue;
+        if (mesh.binding) objects_.at(index).meshes[next].geometry.set_vertices(mesh.vertices);
+        ++next;
+    }
+}
+
+void SurfaceRenderer::set_way_end(std::size_t index, std::span<const ModelMesh> meshes, WayEnd end) {
+    // A mesh that is not bound is at both ends where it is.
+    std::size_t next = 0;
+    for (const ModelMesh& mesh : meshes) {
+        if (!mesh.indices.empty())
+            objects_.at(index).meshes[next++].geometry.set_way_end(end == WayEnd::closing, mesh.vertices);
+    }
+}
+
 bool SurfaceRenderer::set_material(std::size_t index, const MaterialOverride& material) {
     Object& object = objects_.at(index);
     std::vector<SurfaceMaterial> changed;
@@ -85,6 +105,12 @@ bool SurfaceRenderer::any_blends() const {
     return std::ranges::any_of(objects_, [](const Object& object) {
         return !object.is_holdout &&
                std::ranges::any_of(object.meshes, [&](const Mesh& mesh) { return object.material_of(mesh).blends(); });
+    });
+}
+
+bool SurfaceRenderer::any_transmits() const {
+    return std::ranges::any_of(objects_, [](const Object& object) {
+        return !object.is_holdout && std::ranges::any_of(object.materials, &SurfaceMaterial::transmits);
     });
 }
 

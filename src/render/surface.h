@@ -108,7 +108,10 @@ enum class WayPicture { shutter, to_next, to_previous };
 struct ObjectWay {
     Eigen::Matrix4d opening_camera_from_model = Eigen::Matrix4d::Identity();
     Eigen::Matrix4d closing_camera_from_model = Eigen::Matrix4d::Identity();
+    bool deforms = false;  // its vertices are where set_way_end() put them then
 };
+
+enum class WayEnd { opening, closing };
 
 /// An object as it is added; `model` is only read while adding.
 struct SurfaceObject {
@@ -164,6 +167,12 @@ public:
     SphereSets* spheres() { return spheres_.get(); }
     SphereLists& sphere_lists() { return peeling_.lists(); }
     void place_object(std::size_t index, const Eigen::Matrix4d& world_from_model);
+    /// Moves the vertices of the meshes of an object's model that are bound to a rig; `meshes` are all of them.
+    void deform_object(std::size_t index, std::span<const ModelMesh> meshes);
+    /// How often that happened: what was read back before is no longer so.
+    std::size_t deformations() const { return deformations_; }
+    /// Where they are at the end of a way, for draw_ways().
+    void set_way_end(std::size_t index, std::span<const ModelMesh> meshes, WayEnd end);
     /// Other factors of an object's materials. False, and nothing is changed, where they need a texture of the model
     /// that was not uploaded, because the ones before stood in its place.
     bool set_material(std::size_t index, const MaterialOverride& material);
@@ -175,6 +184,8 @@ public:
     std::size_t object_count() const;
     bool any_reflects(ReflectionForm form) const;
     bool any_blends() const;
+    /// Whether something lets light through that it bends or spreads.
+    bool any_transmits() const;
     /// Holdouts are never seen: they hide what is behind them.
     bool is_holdout(std::size_t index) const;
     bool any_holdout() const;
@@ -263,6 +274,8 @@ private:
         Program* spheres = nullptr;  // null: none are drawn
         /// For materials that are not plain; empty: `meshes` does for them.
         std::function<Program&(const SurfaceMaterial&)> of_material = {};
+        /// Takes over what is drawn so far, before the first mesh that lets it show through.
+        std::function<void()> make_backdrop = {};
     };
     Programs programs(const std::string& fragment, ShaderDefines defines = {},
                       const std::function<void(Program&)>& set_up = {}) const;
@@ -315,6 +328,7 @@ private:
     ShaderLibrary& shaders_;
     std::vector<Object> objects_;
     int vertex_count_ = 0;  // of all meshes
+    std::size_t deformations_ = 0;
     std::unique_ptr<Targets> targets_;
     std::unique_ptr<Targets> holdout_targets_;
     FullScreenTriangle triangle_;  // and the cells of the lens' grid

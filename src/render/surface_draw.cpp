@@ -135,6 +135,11 @@ void SurfaceRenderer::draw_objects(const Programs& programs, const SurfaceView& 
         placed = &object;
         draw_mesh(own, view, object, mesh);
     };
+    struct Transmitting {
+        const Object* object;
+        const Mesh* mesh;
+    };
+    std::vector<Transmitting> transmitting;
     struct Blended {
         const Object* object;
         const Mesh* mesh;
@@ -167,10 +172,23 @@ void SurfaceRenderer::draw_objects(const Programs& programs, const SurfaceView& 
             if (blends && !is_geometry) {
                 const double distance_m = (object.bounds_of(mesh).center() - view.eye_world_m).norm();
                 blended.push_back({&object, &mesh, distance_m});
+            } else if (programs.make_backdrop && object.material_of(mesh).transmits()) {
+                transmitting.push_back({&object, &mesh});
             } else {
                 draw_with_own(object, mesh, placed);
             }
         }
+    }
+    if (!transmitting.empty()) programs.make_backdrop();
+    for (const Transmitting& next : transmitting) {
+        Program& own = programs.of_material(next.object->material_of(*next.mesh));
+        own.use();
+        own.set("backdrop_present", true);
+        own.bind_texture("backdrop", backdrop_unit, targets_->backdrop);
+        own.set("backdrop_from_world", Eigen::Matrix4f(view.clip_from_world.cast<float>()));
+        own.set("backdrop_size_px", Eigen::Vector2f(static_cast<float>(view.width), static_cast<float>(view.height)));
+        const Object* placed = nullptr;
+        draw_with_own(*next.object, *next.mesh, placed);
     }
     std::ranges::stable_sort(blended, std::greater<>(), &Blended::distance_m);
     if (!blended.empty()) set_blended_state();
@@ -216,6 +234,9 @@ void SurfaceRenderer::set_light(Program& program, const Environment& environment
     program.set("object_shadow_depth", static_cast<int>(SurfaceShading::object_shadow_unit));
     program.set("real_shadow_depth", static_cast<int>(SurfaceShading::object_shadow_unit + 1));
     program.set("objects_shade", false);
+    program.set("backdrop_present", false);
+    program.set("backdrop", static_cast<int>(backdrop_unit));
+    program.set("plate_behind_present", false);
     if (shading.bind) shading.bind(program);
 }
 
@@ -255,7 +276,7 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
     targets_->fit_color(view, samples);
     assert(!view.lens || samples == 1);
     see_spheres(view, SphereKind::opaque);
-    const Programs programs = light_programs(environment, view, shading);
+    Programs programs = light_programs(environment, view, shading);
     if (view.lens) Targets::fit(targets_->focused, targets_->color, targets_->depth);
     const Region region{0, 0, view.width, view.height};
     const Framebuffer* target = view.lens     ? &targets_->focused.target
@@ -272,6 +293,12 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
         }
     }
     begin_drawing(*target, region, colors_of(view));
+    if (any_transmits()) {
+        programs.make_backdrop = [this, target, &view, region] {
+            targets_->take_backdrop(*target, view);
+            target->bind(region);
+        };
+    }
     draw_objects(programs, view, view.lens && view.lens->parts_transparent ? Drawn::opaque_light : Drawn::light);
     if (samples == 1) soften_sphere_edges(view, targets_->depth);
     draw_transparent_spheres(environment, view, shading, *target);
@@ -398,6 +425,7 @@ const Texture2D& SurfaceRenderer::draw_ways_into(Targets& targets, const Surface
         const ObjectWay& way = ways[index];
         program.set("opening_camera_from_model", Eigen::Matrix4f(way.opening_camera_from_model.cast<float>()));
         program.set("closing_camera_from_model", Eigen::Matrix4f(way.closing_camera_from_model.cast<float>()));
+        program.set("deforms", way.deforms);
     });
     return target.color;
 }

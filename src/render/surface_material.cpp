@@ -28,7 +28,7 @@ void SurfaceMaterial::bind(Program& program) const {
         "occlusion_texture",       "emissive_texture",           "coat_texture",
         "coat_roughness_texture",  "coat_normal_texture",        "sheen_color_texture",
         "sheen_roughness_texture", "specular_texture",           "specular_color_texture",
-        "anisotropy_texture"};
+        "anisotropy_texture",      "transmission_texture",       "thickness_texture"};
     int present = 0;
     GLuint layer_unit = first_layer_unit;
     for (std::size_t i = 0; i < textures.size(); ++i) {
@@ -82,6 +82,23 @@ void SurfaceMaterial::bind_layers(Program& program, GLuint free_unit) const {
         // glTF: an index of 0 stands for what reflects everything.
         program.set("ior_reflectance", factors.ior == 0 ? 1.0 : ratio * ratio);
     }
+    if (transmits()) {
+        const TransmissionFactors& transmission = *factors.transmission;
+        program.set("transmission_factor", transmission.strength);
+        program.set("thickness_factor", transmission.thickness);
+        // Of what has no volume, or is a metal's index, the light goes straight on.
+        program.set("refractive_index", factors.ior < 1 ? 1.0F : factors.ior);
+        Eigen::Vector3f absorbed_per_unit = Eigen::Vector3f::Zero();
+        if (std::isfinite(transmission.attenuation_distance)) {
+            // Black stands for what no code value shows.
+            constexpr float darkest = 1e-6F;
+            for (std::size_t c = 0; c < 3; ++c) {
+                absorbed_per_unit[static_cast<Eigen::Index>(c)] =
+                    -std::log(std::max(transmission.attenuation_color[c], darkest)) / transmission.attenuation_distance;
+            }
+        }
+        program.set("absorbed_per_unit", absorbed_per_unit);
+    }
     if (factors.anisotropy) {
         const float rotation = factors.anisotropy->rotation_rad;
         program.set("anisotropy_strength", factors.anisotropy->strength);
@@ -124,6 +141,7 @@ ShaderDefines defines_of(const ModelMaterial& material) {
     if (material.sheen && *std::ranges::max_element(material.sheen->color) > 0) defines["SHEEN"] = "1";
     if (material.specular || material.ior != usual_ior) defines["SPECULAR"] = "1";
     if (material.anisotropy && material.anisotropy->strength > 0) defines["ANISOTROPY"] = "1";
+    if (material.transmission && material.transmission->strength > 0) defines["TRANSMISSION"] = "1";
     return defines;
 }
 

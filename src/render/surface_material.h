@@ -27,6 +27,7 @@ struct SurfaceMaterial {
     /// Share of white light that it sends back, diffuse and mirrored together, by its factors.
     float reflectance() const;
     bool blends() const { return factors.alpha_mode == AlphaMode::blend; }
+    bool transmits() const { return defines.contains("TRANSMISSION"); }
     /// Sets the uniforms and binds the textures of common/material.glsl and the classic terms.
     void bind(Program& program) const;
     /// Of what plain materials have; the others have theirs from here on, those that are there.

@@ -6,6 +6,18 @@
 
 namespace matchlight {
 
+namespace {
+
+Eigen::AlignedBox3d bounds_of(std::span<const ModelVertex> vertices) {
+    Eigen::AlignedBox3d box;
+    for (const ModelVertex& vertex : vertices) {
+        box.extend(Eigen::Vector3d(vertex.position[0], vertex.position[1], vertex.position[2]));
+    }
+    return box;
+}
+
+}  // namespace
+
 SurfaceMesh::SurfaceMesh(const ModelMesh& mesh)
     : vertices_(std::span<const ModelVertex>(mesh.vertices)),
       indices_(std::span<const std::uint32_t>(mesh.indices)),
@@ -21,9 +33,26 @@ SurfaceMesh::SurfaceMesh(const ModelMesh& mesh)
         {.location = 6, .components = 2, .byte_offset = offsetof(ModelVertex, uv_second)}};
     array_.set_vertex_buffer(0, vertices_, sizeof(ModelVertex), attributes);
     array_.set_index_buffer(indices_);
-    for (const ModelVertex& vertex : mesh.vertices) {
-        bounds_m_.extend(Eigen::Vector3d(vertex.position[0], vertex.position[1], vertex.position[2]));
+    bounds_m_ = bounds_of(mesh.vertices);
+}
+
+void SurfaceMesh::set_vertices(std::span<const ModelVertex> vertices) {
+    assert(static_cast<GLsizei>(vertices.size()) == vertex_count_);
+    vertices_.upload(vertices);
+    bounds_m_ = bounds_of(vertices);
+}
+
+void SurfaceMesh::set_way_end(bool closing, std::span<const ModelVertex> vertices) {
+    assert(static_cast<GLsizei>(vertices.size()) == vertex_count_);
+    const GLuint end = closing ? 1 : 0;
+    Buffer& buffer = way_ends_.at(end);
+    if (buffer.bytes() == 0) {
+        buffer = Buffer(vertices.size_bytes());
+        const VertexArray::Attribute attribute{
+            .location = 7 + end, .components = 3, .byte_offset = offsetof(ModelVertex, position)};
+        array_.set_vertex_buffer(2 + end, buffer, sizeof(ModelVertex), {&attribute, 1});
     }
+    buffer.upload(vertices);
 }
 
 void SurfaceMesh::bake_visibility(Program& program) {

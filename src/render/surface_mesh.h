@@ -1,6 +1,7 @@
 // A model's meshes as they lie on the GPU.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -11,7 +12,7 @@
 namespace matchlight {
 
 /// Vertex attribute 0 is the position, 1 normal, 2 tangent, 3 uv, 4 colour, 5 baked visibility, 6 the second uv
-/// (surface.vert).
+/// (surface.vert), 7 and 8 the position at the ends of a way (ways.vert).
 class SurfaceMesh {
 public:
     explicit SurfaceMesh(const ModelMesh& mesh);
@@ -23,6 +24,11 @@ public:
     void run_over_vertices(Program& program) const;
     /// RGB for every vertex, instead of what is baked.
     void set_visibility(std::span<const Eigen::Vector3f> visibility);
+
+    /// Other ones, as many.
+    void set_vertices(std::span<const ModelVertex> vertices);
+    /// Their positions when the shutter opens or closes: attributes 7 and 8.
+    void set_way_end(bool closing, std::span<const ModelVertex> vertices);
 
     /// What was uploaded, read back.
     std::vector<ModelVertex> read_vertices() const;
@@ -40,7 +46,8 @@ private:
     Buffer vertices_;
     Buffer indices_;
     VertexArray array_;
-    Buffer visibility_;  // empty until baked
+    Buffer visibility_;               // empty until baked
+    std::array<Buffer, 2> way_ends_;  // empty unless it deforms
     GLsizei vertex_count_ = 0;
     GLsizei index_count_ = 0;
     Eigen::AlignedBox3d bounds_m_;

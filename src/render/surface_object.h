@@ -36,6 +36,7 @@ struct SurfaceRenderer::Object {
     bool casts(const Mesh& mesh) const {
         constexpr float solid = 0.5F;
         const SurfaceMaterial& material = material_of(mesh);
+        if (material.transmits() && material.factors.transmission->strength > solid) return false;
         return casts_shadow && (!material.blends() || material.factors.base_color[3] >= solid);
     }
     Eigen::AlignedBox3d bounds_of(const Mesh& mesh) const { return placed(mesh.geometry.bounds_m()); }

@@ -28,6 +28,8 @@ inline void begin_drawing(const Framebuffer& target, const Region& region, int c
 
 /// Of the depths of what draw() found nearest: after those of the environment, the material and the shading.
 inline constexpr GLuint nearest_depth_unit = 15;
+/// Of what was drawn before what transmits: beyond those of materials.
+inline constexpr GLuint backdrop_unit = 40;
 
 /// What draws go into; grown to the largest view met, so that views whose size changes do not allocate every time.
 struct SurfaceRenderer::Targets {
@@ -58,10 +60,27 @@ struct SurfaceRenderer::Targets {
     std::array<ColorAndDepth, 3> ways;  // by WayPicture
     ColorAndDepth parts;                // multisampled
     Texture2D transparent_color;
+    Texture2D backdrop;  // of what transmits, with all its levels
+    Framebuffer backdrop_target;
     WithFocus focused, hidden_focused, transparent;
     WithCoverage covered, multisampled_covered, hidden_covered, transparent_covered;
     Texture2D layer_depth_m, layer_normal, layer_id, layer_depth;
     Framebuffer layers;
+
+    /// Copies what was drawn, and blurs it.
+    void take_backdrop(const Framebuffer& drawn, const SurfaceView& view) {
+        if (!holds(backdrop, view, 0)) {
+            TextureShape shape = shape_for(backdrop, view);
+            shape.format = color_format;
+            shape.levels = 0;
+            backdrop = Texture2D(shape);
+            backdrop.set_filter(TextureFilter{});
+            backdrop_target = Framebuffer({backdrop});
+        }
+        backdrop_target.clear_color(0, 0, 0, 0, 0);
+        drawn.resolve_color_to(backdrop_target, {0, 0, view.width, view.height});
+        backdrop.make_mipmaps();
+    }
 
     static constexpr GLenum color_format = GL_RGBA16F;
     static constexpr GLenum depth_format = GL_DEPTH_COMPONENT32F;

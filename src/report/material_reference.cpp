@@ -59,6 +59,21 @@ public:
 
     double cosine() const { return eye_.z(); }
 
+    /// What a thin wall lets pass straight on, spread as its lobe spreads what it mirrors; of white light 1.
+    Vector3d passed(const Vector2d& alpha) const {
+        Vector3d sum = Vector3d::Zero();
+        double weights = 0;
+        const double eye_lambda = smith_lambda(eye_, alpha);
+        for (int i = 0; i < samples_; ++i) {
+            const Vector3d half = visible_normal(eye_, alpha, even_point(i, samples_));
+            const Vector3d light = 2 * eye_.dot(half) * half - eye_;
+            if (light.z() <= 0) continue;
+            const double weight = (1 + eye_lambda) / (1 + eye_lambda + smith_lambda(light, alpha));
+            sum += weight * radiance_(point_.world_from_surface * Vector3d(light.x(), light.y(), -light.z()));
+            weights += weight;
+        }
+        return weights > 0 ? Vector3d(sum / weights) : Vector3d::Zero().eval();
+    }
     Lobe lobe(const Vector2d& alpha) const {
         Lobe lobe;
         const double eye_lambda = smith_lambda(eye_, alpha);
@@ -166,6 +181,10 @@ Vector3d material_reference(const ModelMaterial& material, const ReferencePoint&
     const Vector3d below = (1 - metallic) * base * (1 - taken.maxCoeff());
     const Vector3d diffuse = (1 - metallic) * dielectric.multiple + metallic * metal.multiple + below;
     Vector3d sent = (1 - metallic) * shown(f0, f90) + metallic * shown(base, 1) + diffuse.cwiseProduct(light.diffuse());
+    if (material.transmission) {
+        const Vector3d through = material.transmission->strength * below;
+        sent += through.cwiseProduct(light.passed(alpha) - light.diffuse());
+    }
     if (material.sheen) {
         const Vector3d color = widened(material.sheen->color);
         double albedo = 0;

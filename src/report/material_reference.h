@@ -20,7 +20,8 @@ using RadianceFrom = std::function<Eigen::Vector3d(const Eigen::Vector3d& direct
 
 /// The radiance of the factors of `material`, without its textures and emission: GGX with Smith's masking (Heitz 2014),
 /// stretched by the anisotropy, Schlick's Fresnel term, what meets the facets more than once as if diffuse (Fdez-Agüera
-/// 2019), Lambert below, sheen and coat above, each over `samples` directions of its own distribution.
+/// 2019), Lambert below or, where it transmits, what is behind a thin wall, sheen and coat above, each over `samples`
+/// directions of its own distribution.
 Eigen::Vector3d material_reference(const ModelMaterial& material, const ReferencePoint& point,
                                    const RadianceFrom& radiance, int samples);
 

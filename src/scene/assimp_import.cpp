@@ -18,6 +18,7 @@
 #include "core/transfer.h"
 #include "core/transforms.h"
 #include "scene/mesh_geometry.h"
+#include "scene/rig_binding.h"
 
 namespace matchlight {
 namespace {
@@ -87,6 +88,7 @@ public:
         check_memory();
         add_node(*scene_.mRootNode, world_from_file);
         report();
+        if (!bindings_.empty()) rest_in_pose(model_, *checked_.rig, std::move(bindings_));
         model_.update_bounds();
         return std::move(model_);
     }
@@ -95,7 +97,8 @@ private:
     void check_memory() const;
     static std::uint64_t corner_count(const aiScene& scene, const aiNode& node);
     void add_node(const aiNode& node, const Matrix4d& world_from_parent);
-    void add_mesh(const aiMesh& mesh, const Matrix4d& world_from_mesh);
+    void add_mesh(const aiMesh& mesh, const aiNode& node, const Matrix4d& world_from_mesh);
+    const CheckedPrimitive* primitive_of(const aiMesh& mesh) const;
     /// How the vertices of a material are kept.
     struct KeptMaterial {
         int number = 0;  // in the model
@@ -103,7 +106,7 @@ private:
     };
     void add_vertices(const aiMesh& mesh, const Matrix4d& world_from_mesh, const ImportedMaterial& layout,
                       ModelMesh& to);
-    const KeptMaterial& material_of(const aiMesh& mesh);
+    const KeptMaterial& material_of(const aiMesh& mesh, double scale);
     void report();
 
     const aiScene& scene_;
@@ -111,7 +114,9 @@ private:
     Warnings& warnings_;
     Model model_;
     TextureTable textures_;
-    std::map<unsigned, KeptMaterial> materials_;  // by assimp's index
+    /// By assimp's index, and by the scale of its mesh where it has a thickness in the mesh's units.
+    std::map<std::pair<unsigned, double>, KeptMaterial> materials_;
+    std::vector<MeshBinding> bindings_;
     std::size_t dropped_triangles_ = 0;
     std::size_t repaired_normals_ = 0;
     std::size_t repaired_attributes_ = 0;
@@ -143,21 +148,29 @@ void SceneFlattener::add_node(const aiNode& node, const Matrix4d& world_from_par
         }
     }
     const Matrix4d world_from_node = world_from_parent * parent_from_node;
-    for (unsigned i = 0; i < node.mNumMeshes; ++i) add_mesh(*scene_.mMeshes[node.mMeshes[i]], world_from_node);
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) add_mesh(*scene_.mMeshes[node.mMeshes[i]], node, world_from_node);
     for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(*node.mChildren[i], world_from_node);
 }
 
-const SceneFlattener::KeptMaterial& SceneFlattener::material_of(const aiMesh& mesh) {
-    if (const auto found = materials_.find(mesh.mMaterialIndex); found != materials_.end()) return found->second;
+const SceneFlattener::KeptMaterial& SceneFlattener::material_of(const aiMesh& mesh, double scale) {
+    for (const double of_scale : {1.0, scale}) {
+        const auto found = materials_.find({mesh.mMaterialIndex, of_scale});
+        if (found == materials_.end()) continue;
+        const auto& transmission = found->second.layout.material.transmission;
+        if (of_scale == scale || !transmission || transmission->thickness == 0) return found->second;
+    }
     ImportedMaterial layout;
     if (mesh.mMaterialIndex < scene_.mNumMaterials && scene_.mMaterials[mesh.mMaterialIndex] != nullptr) {
         layout = translated_material(*scene_.mMaterials[mesh.mMaterialIndex], checked_, textures_, warnings_);
     }
     // Scanned colours already hold what a default grey stands for.
     if (mesh.HasVertexColors(0) && !checked_.entry.ends_with(".gltf")) layout.material.base_color = {1, 1, 1, 1};
+    auto& transmission = layout.material.transmission;
+    const bool is_thick = transmission && transmission->thickness > 0;
+    if (is_thick) transmission->thickness *= static_cast<float>(scale);
     model_.materials.push_back(layout.material);
     const KeptMaterial kept{static_cast<int>(model_.materials.size()) - 1, std::move(layout)};
-    return materials_.emplace(mesh.mMaterialIndex, kept).first->second;
+    return materials_.emplace(std::pair(mesh.mMaterialIndex, is_thick ? scale : 1.0), kept).first->second;
 }
 
 void SceneFlattener::add_vertices(const aiMesh& from, const Matrix4d& world_from_mesh, const ImportedMaterial& layout,
@@ -227,11 +240,29 @@ void SceneFlattener::add_vertices(const aiMesh& from, const Matrix4d& world_from
     }
 }
 
-void SceneFlattener::add_mesh(const aiMesh& from, const Matrix4d& world_from_mesh) {
+/// Null where its vertices do not move against each other.
+const CheckedPrimitive* SceneFlattener::primitive_of(const aiMesh& mesh) const {
+    const auto found = checked_.rig->primitives.find(mesh.mName.C_Str());
+    if (found == checked_.rig->primitives.end()) return nullptr;
+    if (found->second.vertex_count != mesh.mNumVertices) {
+        throw InputError(checked_.path, fmt::format("{} vertices were read of {} that move", mesh.mNumVertices,
+                                                    found->second.vertex_count));
+    }
+    return &found->second;
+}
+
+void SceneFlattener::add_mesh(const aiMesh& from, const aiNode& node, const Matrix4d& world_from_node) {
     ModelMesh to;
-    const KeptMaterial& kept = material_of(from);
+    const KeptMaterial& kept =
+        material_of(from, std::cbrt(std::abs(world_from_node.topLeftCorner<3, 3>().determinant())));
     to.material = kept.number;
+    // What moves stays in its own axes until it is posed.
+    std::optional<MeshBinding> binding;
+    if (checked_.rig) binding = binding_of(*checked_.rig, node.mName.C_Str(), from.mName.C_Str());
+    const Matrix4d world_from_mesh = binding ? Matrix4d::Identity() : world_from_node;
     add_vertices(from, world_from_mesh, kept.layout, to);
+    std::vector<std::array<float, 4>> colors;
+    if (binding) colors = number_vertices(to);
 
     const bool mirrored = world_from_mesh.topLeftCorner<3, 3>().determinant() < 0;
     to.indices.reserve(3ull * from.mNumFaces);
@@ -272,6 +303,11 @@ void SceneFlattener::add_mesh(const aiMesh& from, const Matrix4d& world_from_mes
         compute_tangents(to, material.use(leading).mapping);
     } else {
         repaired_tangents_ += repair_tangents(to, material.use(leading).mapping);
+    }
+    if (binding) {
+        bind_vertices(to, colors, primitive_of(from), *binding);
+        to.binding = bindings_.size();
+        bindings_.push_back(std::move(*binding));
     }
     model_.meshes.push_back(std::move(to));
 }

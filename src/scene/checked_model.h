@@ -4,11 +4,14 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/warnings.h"
 #include "scene/model.h"
+#include "scene/model_rig.h"
 
 namespace matchlight {
 
@@ -31,6 +34,23 @@ struct CheckedMaterial {
     std::array<Placement, material_slots> placements;
 };
 
+/// What the vertices of a primitive hang on, in the file's order.
+struct CheckedPrimitive {
+    std::size_t vertex_count = 0;
+    std::size_t influences = 0;  // a vertex; 0: none
+    std::vector<std::uint32_t> joints;
+    std::vector<float> weights;
+    std::vector<MorphTarget> targets;
+};
+
+/// What moves in a glTF file, whose nodes are called "node-0", "node-1", … then.
+struct CheckedRig {
+    ModelRig rig;                                        // its bindings are made with the meshes
+    std::vector<std::optional<std::size_t>> skins;       // of nodes
+    std::vector<char> moves;                             // nodes that an animation moves
+    std::map<std::string, CheckedPrimitive> primitives;  // by the name of the mesh
+};
+
 /// What the loader is given. What was checked is what is read: no file is opened twice.
 struct CheckedModel {
     std::filesystem::path path;                // of the model, for messages
@@ -38,6 +58,7 @@ struct CheckedModel {
     std::map<std::string, std::string> files;  // name → contents
     std::vector<TextureSource> textures;
     std::vector<CheckedMaterial> materials = {};  // of glTF: "material-0", "material-1", … in the file
+    std::shared_ptr<const CheckedRig> rig = {};   // null: nothing moves
 };
 
 // Each reads one format and throws InputError for everything a loader should not see: truncated files, counts beyond

@@ -14,6 +14,7 @@
 #include "scene/checked_model.h"
 #include "scene/gltf_accessors.h"
 #include "scene/gltf_materials.h"
+#include "scene/gltf_rig.h"
 
 namespace matchlight {
 namespace {
@@ -24,16 +25,17 @@ using nlohmann::json;
 constexpr std::size_t deepest_hierarchy = 256;
 
 /// Extensions that a file may require: those of which nothing is lost.
-const std::set<std::string> understood_extensions = {"KHR_mesh_quantization",   "KHR_materials_emissive_strength",
-                                                     "KHR_materials_unlit",     "KHR_texture_transform",
-                                                     "KHR_materials_clearcoat", "KHR_materials_sheen",
-                                                     "KHR_materials_specular",  "KHR_materials_ior",
-                                                     "KHR_materials_anisotropy"};
+const std::set<std::string> understood_extensions = {"KHR_mesh_quantization",    "KHR_materials_emissive_strength",
+                                                     "KHR_materials_unlit",      "KHR_texture_transform",
+                                                     "KHR_materials_clearcoat",  "KHR_materials_sheen",
+                                                     "KHR_materials_specular",   "KHR_materials_ior",
+                                                     "KHR_materials_anisotropy", "KHR_materials_transmission",
+                                                     "KHR_materials_volume"};
 
 class GltfChecker {
 public:
     GltfChecker(const std::filesystem::path& path, Warnings& warnings)
-        : document_(path), accessors_(document_), warnings_(warnings) {}
+        : document_(path), accessors_(document_), warnings_(warnings), has_rig_(has_gltf_rig(document_)) {}
 
     CheckedModel check() {
         checked_.path = document_.path();
@@ -54,6 +56,12 @@ public:
         std::string materials;
         for (const char* list : {"materials", "textures", "samplers"}) materials += document_.list(list).dump();
         checked_.files.emplace("materials", std::move(materials));
+        if (has_rig_) {
+            checked_.rig = read_gltf_rig(document_, accessors_, loaded_, warnings_);
+            std::string rig;
+            for (const char* list : {"animations", "skins", "nodes", "meshes"}) rig += document_.list(list).dump();
+            checked_.files.emplace("rig", std::move(rig));
+        }
         checked_.files.emplace(checked_.entry, clean_.dump());
         return std::move(checked_);
     }
@@ -74,6 +82,8 @@ private:
     GltfDocument document_;
     GltfAccessors accessors_;
     Warnings& warnings_;
+    bool has_rig_;
+    std::vector<LoadedPrimitive> loaded_;
     CheckedModel checked_;
     json clean_ = json::object();
     std::string plain_bytes_;                                   // the buffer of replaced accessors
@@ -95,8 +105,6 @@ void GltfChecker::check_extensions() {
             warn(fmt::format("its extension {} is left out", extension.get<std::string>()));
         }
     }
-    if (!document_.list("animations").empty()) warn("its animations are left out: the pose at rest is shown");
-    if (!document_.list("skins").empty()) warn("its skins are left out: the mesh is shown as it was bound");
 }
 
 std::size_t GltfChecker::append_accessor(const void* data, std::size_t bytes, std::uint64_t count, int type,
@@ -222,12 +230,21 @@ void GltfChecker::add_meshes() {
         json clean = json::array();
         for (std::size_t p = 0; p < primitives->size(); ++p) {
             const std::string where = fmt::format("meshes[{}].primitives[{}]", i, p);
-            if (auto primitive = clean_primitive((*primitives)[p], where)) clean.push_back(std::move(*primitive));
+            auto primitive = clean_primitive((*primitives)[p], where);
+            if (!primitive) continue;
+            if (has_rig_) loaded_.push_back({.mesh = i, .primitive = p, .name = fmt::format("-{}", clean.size())});
+            clean.push_back(std::move(*primitive));
         }
         mesh_numbers_.emplace_back();
         if (clean.empty()) continue;
         mesh_numbers_.back() = clean_["meshes"].size();
+        // assimp numbers the primitives of a mesh that has more than one.
+        const std::string name = fmt::format("mesh-{}", clean_["meshes"].size());
+        for (LoadedPrimitive& loaded : loaded_) {
+            if (loaded.mesh == i) loaded.name = clean.size() > 1 ? name + loaded.name : name;
+        }
         clean_["meshes"].push_back({{"primitives", std::move(clean)}});
+        if (has_rig_) clean_["meshes"].back()["name"] = name;
     }
 }
 
@@ -249,6 +266,7 @@ void GltfChecker::add_nodes() {
         if (const auto mesh = document_.index_of(node, "mesh", "meshes", where); mesh && mesh_numbers_[*mesh]) {
             clean["mesh"] = *mesh_numbers_[*mesh];
         }
+        if (has_rig_) clean["name"] = fmt::format("node-{}", i);
         if (node.contains("children")) {
             if (!node["children"].is_array()) document_.fail(where + ".children is no array");
             for (const json& child : node["children"]) {

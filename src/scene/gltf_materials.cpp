@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -43,6 +44,9 @@ public:
             read_specular(object_of(extensions, "KHR_materials_specular"));
         if (extensions.contains("KHR_materials_anisotropy"))
             read_anisotropy(object_of(extensions, "KHR_materials_anisotropy"));
+        if (extensions.contains("KHR_materials_transmission"))
+            read_transmission(object_of(extensions, "KHR_materials_transmission"),
+                              object_of(extensions, "KHR_materials_volume"));
         read_ior(object_of(extensions, "KHR_materials_ior"));
         return std::move(read_);
     }
@@ -107,6 +111,18 @@ private:
         anisotropy.strength = unit(number(source, "anisotropyStrength", 0));
         anisotropy.rotation_rad = static_cast<float>(number(source, "anisotropyRotation", 0));
         read_texture(source, "anisotropyTexture", MaterialSlot::anisotropy);
+    }
+    void read_transmission(const json& source, const json& volume) {
+        TransmissionFactors& transmission = read_.material.transmission.emplace();
+        transmission.strength = unit(number(source, "transmissionFactor", 0));
+        read_texture(source, "transmissionTexture", MaterialSlot::transmission);
+        transmission.thickness = static_cast<float>(std::max(number(volume, "thicknessFactor", 0), 0.0));
+        read_texture(volume, "thicknessTexture", MaterialSlot::thickness);
+        const double distance = number(volume, "attenuationDistance", std::numeric_limits<double>::infinity());
+        if (!(distance > 0)) document_.fail(where_ + ".attenuationDistance is not above 0");
+        transmission.attenuation_distance = static_cast<float>(distance);
+        transmission.attenuation_color = color(volume, "attenuationColor", 1);
+        for (float& channel : transmission.attenuation_color) channel = std::min(channel, 1.0F);
     }
     void read_ior(const json& source) {
         const double ior = number(source, "ior", 1.5);

@@ -65,6 +65,21 @@ std::vector<std::uint32_t> position_numbers(const ModelMesh& mesh, std::uint32_t
     return of_corner;
 }
 
+template <std::size_t N>
+std::array<float, N> middle(const std::array<float, N>& a, const std::array<float, N>& b) {
+    std::array<float, N> result;
+    for (std::size_t i = 0; i < N; ++i) result[i] = 0.5F * (a[i] + b[i]);
+    return result;
+}
+
+template <std::size_t N>
+void normalize_first_three(std::array<float, N>& v) {
+    const float length = std::hypot(v[0], v[1], v[2]);
+    if (length > 0) {
+        for (std::size_t i = 0; i < 3; ++i) v[i] /= length;
+    }
+}
+
 }  // namespace
 
 std::size_t drop_bad_triangles(ModelMesh& mesh) {
@@ -254,6 +269,22 @@ void weld(ModelMesh& mesh) {
         index = entry->second;
     }
     mesh.vertices = std::move(kept);
+}
+
+ModelVertex middle_of_edge(const ModelVertex& a, const ModelVertex& b) {
+    ModelVertex result{middle(a.position, b.position), middle(a.normal, b.normal),
+                       middle(a.tangent, b.tangent),   middle(a.uv, b.uv),
+                       middle(a.color, b.color),       middle(a.uv_second, b.uv_second)};
+    normalize_first_three(result.normal);
+    normalize_first_three(result.tangent);
+    result.tangent[3] = a.tangent[3];
+    return result;
+}
+
+ModelVertex back_of(const ModelVertex& vertex) {
+    ModelVertex back = vertex;
+    for (float& component : back.normal) component = -component;
+    return back;
 }
 
 }  // namespace matchlight

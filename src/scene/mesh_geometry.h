@@ -30,4 +30,10 @@ std::size_t repair_tangents(ModelMesh& mesh, const UvMapping& mapping = {});
 /// Keeps each distinct vertex once, and none that no triangle uses. Exact: no two different vertices become one.
 void weld(ModelMesh& mesh);
 
+/// Halfway between two vertices of one edge.
+ModelVertex middle_of_edge(const ModelVertex& a, const ModelVertex& b);
+
+/// The same vertex for the other side of the surface.
+ModelVertex back_of(const ModelVertex& vertex);
+
 }  // namespace matchlight

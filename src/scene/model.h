@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,9 +52,11 @@ enum class MaterialSlot {
     sheen_roughness,
     specular,
     specular_color,
-    anisotropy
+    anisotropy,
+    transmission,
+    thickness
 };
-inline constexpr std::size_t material_slots = 13;
+inline constexpr std::size_t material_slots = 15;
 /// Colours are sRGB-coded, all else is linear.
 bool is_color(MaterialSlot slot);
 
@@ -89,6 +93,13 @@ struct SpecularFactors {
 struct AnisotropyFactors {
     float strength = 0, rotation_rad = 0;
 };
+/// Of KHR_materials_transmission and KHR_materials_volume: light that passes through instead of being scattered below.
+struct TransmissionFactors {
+    float strength = 0;
+    float thickness = 0;  // of what is behind the surface, in the mesh's own units; 0: a thin wall, which bends nothing
+    float attenuation_distance = std::numeric_limits<float>::infinity();  // after which light has the colour
+    Rgb attenuation_color{1, 1, 1};
+};
 
 /// glTF 2.0 metallic-roughness and its layers. Factors are scene-linear.
 struct ModelMaterial {
@@ -106,6 +117,7 @@ struct ModelMaterial {
     std::optional<SheenFactors> sheen;
     std::optional<SpecularFactors> specular;
     std::optional<AnisotropyFactors> anisotropy;
+    std::optional<TransmissionFactors> transmission;
     std::array<TextureUse, material_slots> textures;
 
     TextureUse& use(MaterialSlot slot) { return textures[static_cast<std::size_t>(slot)]; }
@@ -127,14 +139,21 @@ struct ModelMesh {
     std::vector<ModelVertex> vertices;
     std::vector<std::uint32_t> indices;  // triangles
     int material = 0;
+    /// The number of its binding in the model's rig, which tells of its first vertices; absent: it stands still.
+    std::optional<std::size_t> binding = {};
+    /// The rest of a bound mesh's vertices: each halfway between two before it, or the back of one that is given twice.
+    std::vector<std::array<std::uint32_t, 2>> derived = {};
 };
+
+struct ModelRig;
 
 struct Model {
     std::string name;
     std::vector<ModelMesh> meshes;
     std::vector<ModelMaterial> materials;
     std::vector<ModelTexture> textures;
-    Eigen::AlignedBox3d bounds_m;
+    Eigen::AlignedBox3d bounds_m;              // at rest
+    std::shared_ptr<const ModelRig> rig = {};  // null: nothing of it can move
 
     std::size_t triangle_count() const;
     /// Makes `bounds_m` the box of all vertices.

@@ -19,7 +19,7 @@ void begin_object_key(Scene& scene) {
 }
 
 const std::vector<Setting>& object_motion_settings() {
-    constexpr std::string_view keys = "object.keys", spin = "object.spin";
+    constexpr std::string_view keys = "object.keys", spin = "object.spin", object = "object";
     static const std::vector<Setting> settings = {
         {keys, "frame", between(integer, -farthest_frame, farthest_frame), "", must_be_given,
          "counted from 0, ascending; may lie outside the clip",
@@ -37,6 +37,16 @@ const std::vector<Setting>& object_motion_settings() {
         {spin, "turns_per_second", between(number, -1e6, 1e6), "1/s", must_be_given,
          "counter-clockwise seen from the axis' tip, from the clip's start",
          [](Scene& s, const SettingValue& v) { s.objects.back().spin->turns_per_second = v.number; }},
+
+        {object, "animation", of_kind(text), "", "",
+         "of the model: its name, or its number from 0; \"none\": at rest; the first unless given",
+         [](Scene& s, const SettingValue& v) { s.objects.back().animation.name = v.text; }},
+        {object, "animation_speed", between(number, -1e3, 1e3), "", "1", "below 0: backwards",
+         [](Scene& s, const SettingValue& v) { s.objects.back().animation.speed = v.number; }},
+        {object, "animation_start", between(number, -1e6, 1e6), "s", "0", "where in it the clip begins",
+         [](Scene& s, const SettingValue& v) { s.objects.back().animation.start_s = v.number; }},
+        {object, "animation_loop", of_kind(boolean), "", "true", "from its end it begins anew; false: it stays there",
+         [](Scene& s, const SettingValue& v) { s.objects.back().animation.loop = v.boolean; }},
     };
     return settings;
 }

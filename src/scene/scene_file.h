@@ -103,6 +103,16 @@ struct SpinSettings {
     bool operator==(const SpinSettings&) const = default;
 };
 
+/// How a model's own animation is played on the clip's clock.
+struct AnimationSettings {
+    std::string name;  // or its number; empty: the first; "none": at rest
+    double speed = 1;
+    double start_s = 0;  // of the animation, when the clip begins
+    bool loop = true;    // false: held at its ends
+
+    bool operator==(const AnimationSettings&) const = default;
+};
+
 /// What an object is blurred by in place of the lens' own focus (Kosloff & Barsky 2007, "An Algorithm for Rendering
 /// Generalized Depth of Field Effects Based on Simulated Heat Diffusion").
 struct FocusOverride {
@@ -142,6 +152,7 @@ struct ObjectSettings {
     Eigen::Vector3d scale = Eigen::Vector3d::Ones();
     std::vector<ObjectKey> keys;  // ascending; instead of the three above
     std::optional<SpinSettings> spin;
+    AnimationSettings animation;
     std::optional<int> parent_tag;  // coordinates are that tag's instead of the world's
     ReflectionForm reflection = ReflectionForm::cube;
     bool casts_shadow = true;

@@ -7,36 +7,13 @@
 #include <map>
 #include <utility>
 
+#include "scene/mesh_geometry.h"
+
 namespace matchlight {
 
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
-
-template <std::size_t N>
-std::array<float, N> middle(const std::array<float, N>& a, const std::array<float, N>& b) {
-    std::array<float, N> result;
-    for (std::size_t i = 0; i < N; ++i) result[i] = 0.5F * (a[i] + b[i]);
-    return result;
-}
-
-template <std::size_t N>
-void normalize_first_three(std::array<float, N>& v) {
-    const float length = std::hypot(v[0], v[1], v[2]);
-    if (length > 0) {
-        for (std::size_t i = 0; i < 3; ++i) v[i] /= length;
-    }
-}
-
-ModelVertex middle(const ModelVertex& a, const ModelVertex& b) {
-    ModelVertex result{middle(a.position, b.position), middle(a.normal, b.normal),
-                       middle(a.tangent, b.tangent),   middle(a.uv, b.uv),
-                       middle(a.color, b.color),       middle(a.uv_second, b.uv_second)};
-    normalize_first_three(result.normal);
-    normalize_first_three(result.tangent);
-    result.tangent[3] = a.tangent[3];
-    return result;
-}
 
 class Splitter {
 public:
@@ -52,7 +29,8 @@ public:
         const auto [known, is_new] = middles_.try_emplace(std::minmax(a, b), 0U);
         if (is_new) {
             known->second = static_cast<std::uint32_t>(mesh_.vertices.size());
-            mesh_.vertices.push_back(middle(mesh_.vertices[a], mesh_.vertices[b]));
+            mesh_.vertices.push_back(middle_of_edge(mesh_.vertices[a], mesh_.vertices[b]));
+            if (mesh_.binding) mesh_.derived.push_back({a, b});
         }
         return known->second;
     }

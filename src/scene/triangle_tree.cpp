@@ -74,4 +74,29 @@ TriangleTree make_triangle_tree(std::span<const ModelVertex> vertices, std::span
     return Builder(std::move(candidates)).build();
 }
 
+void refit(TriangleTree& tree, std::span<const ModelVertex> vertices) {
+    constexpr std::uint32_t count_values = 8;
+    // Children come after their parent.
+    for (std::size_t i = tree.nodes.size(); i-- > 0;) {
+        TriangleTreeNode& node = tree.nodes[i];
+        Eigen::AlignedBox3f box;
+        if (node.leaf != 0) {
+            for (std::uint32_t t = 0; t < node.leaf % count_values; ++t) {
+                for (const std::uint32_t corner : tree.triangles[node.leaf / count_values + t].corners)
+                    box.extend(Eigen::Vector3f(vertices[corner].position.data()));
+            }
+        } else {
+            for (std::size_t child = i + 1; child < static_cast<std::size_t>(node.skip);
+                 child = static_cast<std::size_t>(tree.nodes[child].skip)) {
+                box.extend(Eigen::Vector3f(tree.nodes[child].low.data()));
+                box.extend(Eigen::Vector3f(tree.nodes[child].high.data()));
+            }
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            node.low.at(static_cast<std::size_t>(axis)) = box.min()[axis];
+            node.high.at(static_cast<std::size_t>(axis)) = box.max()[axis];
+        }
+    }
+}
+
 }  // namespace matchlight

@@ -36,4 +36,8 @@ struct TriangleTree {
 /// triangles.
 TriangleTree make_triangle_tree(std::span<const ModelVertex> vertices, std::span<const std::uint32_t> indices);
 
+/// Gives the boxes the vertices' places, which were other ones when the tree was made; which triangles lie together
+/// stays as it was.
+void refit(TriangleTree& tree, std::span<const ModelVertex> vertices);
+
 }  // namespace matchlight

@@ -121,6 +121,55 @@ TEST_F(MaterialLayers, absorb_as_much_as_the_reference_in_even_light) {
     }
 }
 
+/// Glass of a thickness, in units of the ball's radius; 0: a thin wall.
+ModelMaterial glass(double roughness, double thickness) {
+    ModelMaterial material = plain(1, 0, roughness);
+    material.transmission = TransmissionFactors{.strength = 1, .thickness = static_cast<float>(thickness)};
+    return material;
+}
+
+TEST_F(MaterialLayers, glass_in_a_white_furnace_is_white) {
+    for (const double thickness : {0.0, 2.0}) {
+        for (const double roughness : {0.0, 0.3, 1.0}) {
+            const ImageF image = drawn(glass(roughness, thickness), furnace_);
+            for (int y = 0; y < camera_.size; ++y) {
+                for (int x = 0; x < camera_.size; ++x) {
+                    if (image.at(x, y, 3) < 1) continue;
+                    ASSERT_NEAR(image.at(x, y, 0), 1, 5e-3) << thickness << " " << roughness << " " << x << " " << y;
+                }
+            }
+        }
+    }
+}
+
+TEST_F(MaterialLayers, glass_absorbs_by_its_thickness) {
+    ModelMaterial material = glass(0, 2);
+    material.transmission->attenuation_distance = 4;
+    material.transmission->attenuation_color = {0.25F, 0.5F, 1};
+    const ImageF image = drawn(material, furnace_);
+    // Straight through the middle of the ball, two units of thickness are half the distance; 0.04 is mirrored.
+    const double expected[] = {0.04 + 0.96 * 0.5, 0.04 + 0.96 * std::sqrt(0.5), 1};
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.at(32, 32, c), expected[c], 5e-3);
+}
+
+// Behind the ball the light rises to the right: a thin wall shows it as it is, a ball of glass turned round.
+TEST_F(MaterialLayers, glass_shows_what_is_behind_it) {
+    const RadianceFrom light = [](const Vector3d& direction) {
+        return Vector3d::Constant(0.5 + 0.4 * direction.x()).eval();
+    };
+    const Environment probe(shaders_, test::make_probe(128, light));
+    const ImageF solid = drawn(glass(0, 2), probe);
+    EXPECT_GT(solid.at(20, 32, 0), solid.at(44, 32, 0) + 0.1);
+    for (const double roughness : {0.0, 0.4}) {
+        const ImageF thin = drawn(glass(roughness, 0), probe);
+        for (const int x : {20, 32, 44}) {
+            const Vector3d expected = reference(glass(roughness, 0), normal_at(x, 32).value(), light);
+            // One look along the middle of a lobe stands for all of it.
+            EXPECT_NEAR(thin.at(x, 32, 0), expected.x(), 0.01) << roughness << " at " << x;
+        }
+    }
+}
+
 // A soft lamp at the left, above: what a stretched highlight shows of it depends on how it lies.
 TEST_F(MaterialLayers, stretched_highlights_lie_where_the_reference_has_them) {
     const Vector3d lamp = Vector3d(-0.7, -0.6, 0.4).normalized();

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "model_test.h"
+#include "scene/model_pose.h"
 
 namespace matchlight {
 namespace {
@@ -113,6 +114,46 @@ TEST_F(RealModels, HaveTheirTrianglesInTheirPlaces) {
                 ASSERT_TRUE(std::isfinite(vertex.uv[0]) && std::isfinite(vertex.tangent[0])) << known.file;
             }
         }
+    }
+}
+
+TEST_F(RealModels, TheFoxMovesAsItsFileSays) {
+    // Keys, joints and weights followed with numpy: the mean of all corners, and two of them.
+    struct Pose {
+        const char* animation;
+        double time_s;
+        Vector3d sum, first, thousandth;
+    };
+    const Pose poses[] = {
+        {"Survey",
+         0,
+         {-5644.65156063, 4892.93164201, 55588.6203181},
+         {2.05521592, 20.55247379, 33.48856295},
+         {7.03364402, -23.10144498, 27.52571707}},
+        {"Walk",
+         0.3,
+         {-88.87558858, 2012.76043344, 59353.64725075},
+         {1.94988011, 21.89386249, 33.14064948},
+         {7.01332149, -22.26284632, 27.27157855}},
+        {"Run",
+         0.5,
+         {181.17385769, 10290.68999071, 64375.4466932},
+         {3.01368538, 28.3519801, 32.50791835},
+         {7.96436465, -34.60104219, 30.3770475}},
+    };
+    const Model fox = load_model(data_ / "real/models/Fox.glb", warnings_);
+    for (const Pose& pose : poses) {
+        PosedModel posed(fox, pose.animation, "Fox.glb");
+        ASSERT_TRUE(posed.moves());
+        const ModelMesh& mesh = posed.at(pose.time_s).at(0);
+        ASSERT_EQ(mesh.indices.size(), 1728u);
+        const auto corner = [&](std::size_t i) { return position_of(mesh.vertices[mesh.indices[i]]); };
+        Vector3d sum = Vector3d::Zero();
+        for (std::size_t i = 0; i < mesh.indices.size(); ++i) sum += corner(i);
+        // Times are floats, and so are positions of up to 100 units.
+        EXPECT_LT((sum - pose.sum).norm() / 1728, 2e-5) << pose.animation;
+        EXPECT_LT((corner(0) - pose.first).norm(), 2e-5) << pose.animation;
+        EXPECT_LT((corner(1000) - pose.thousandth).norm(), 2e-5) << pose.animation;
     }
 }
 
