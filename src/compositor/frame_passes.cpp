@@ -215,29 +215,36 @@ std::optional<EvenDisc> FramePasses::background_disc() {
                      background_defocus_knobs(exact ? QualityLevel::reference : resources_.quality.depth_of_field));
 }
 
+std::optional<PlateBehind> FramePasses::plate_behind(const PlateFrame& plate) const {
+    if (resources_.background != nullptr) {
+        const std::optional<ImageF> picture = resources_.background->picture();
+        if (!picture) return std::nullopt;
+        return PlateBehind(*picture, resources_.camera, plan_.optics.camera_from_world);
+    }
+    const Camera& camera = resources_.camera;
+    const Overscan& overscan = resources_.overscan;
+    const Region frame{0, 0, camera.width, camera.height};
+    const ImageF code = code_of_runs(plate, frame, {frame}, overscan);
+    const Eigen::Matrix3d to_rec709 = rec709_from(plate.format().primaries);
+    return PlateBehind(
+        PlateBehind::Source{.code = code,
+                            .shown = {overscan.x, overscan.y, plate.format().width, plate.format().height},
+                            .camera = camera,
+                            .lens_map = resources_.lens_map,
+                            .optics = plan_.optics,
+                            .light_from_code = [&](const float* rgb) -> Eigen::Vector3d {
+                                const CompositePass& composite = resources_.composite;
+                                return to_rec709 * Eigen::Vector3d(composite.linear_from_code(rgb[0], 0),
+                                                                   composite.linear_from_code(rgb[1], 1),
+                                                                   composite.linear_from_code(rgb[2], 2));
+                            }});
+}
+
 void FramePasses::begin(const PlateFrame& plate, bool layers) {
     resources_.graph.begin_frame(resources_.camera.width, resources_.camera.height);
     for (const LeftOutEffect& effect : plan_.left_out) resources_.graph.leave_out(effect.name, effect.why);
     if (!plan_.inverse_depth.empty()) inverse_depth_ = add_inverse_depth(resources_.graph, plan_.inverse_depth);
-    if (resources_.background == nullptr && !plan_.object_bounds.isEmpty() && resources_.surfaces.any_transmits()) {
-        const Camera& camera = resources_.camera;
-        const Overscan& overscan = resources_.overscan;
-        const Region frame{0, 0, camera.width, camera.height};
-        const ImageF code = code_of_runs(plate, frame, {frame}, overscan);
-        const Eigen::Matrix3d to_rec709 = rec709_from(plate.format().primaries);
-        plate_behind_.emplace(
-            PlateBehind::Source{.code = code,
-                                .shown = {overscan.x, overscan.y, plate.format().width, plate.format().height},
-                                .camera = camera,
-                                .lens_map = resources_.lens_map,
-                                .optics = plan_.optics,
-                                .light_from_code = [&](const float* rgb) -> Eigen::Vector3d {
-                                    const CompositePass& composite = resources_.composite;
-                                    return to_rec709 * Eigen::Vector3d(composite.linear_from_code(rgb[0], 0),
-                                                                       composite.linear_from_code(rgb[1], 1),
-                                                                       composite.linear_from_code(rgb[2], 2));
-                                }});
-    }
+    if (!plan_.object_bounds.isEmpty() && resources_.surfaces.any_transmits()) plate_behind_ = plate_behind(plate);
     light_drawn_ = resources_.light.add_passes(resources_.graph);
     layer_drawn_ = add_surface(layers);
     holdouts_drawn_ = add_holdouts();

@@ -142,11 +142,13 @@ private:
 
     FrameResources resources_;
     const FramePlan& plan_;
+    /// What is behind things that let light through; nullopt where the probe says it.
+    std::optional<PlateBehind> plate_behind(const PlateFrame& plate) const;
     /// What shades surfaces: the clip's light, and what the plate shows behind those that light passes.
     SurfaceShading shading() const;
 
     std::vector<PassInput> light_drawn_;       // what drawing surfaces reads
-    std::optional<PlateBehind> plate_behind_;  // of footage, where something in view lets light through
+    std::optional<PlateBehind> plate_behind_;  // where something in view lets light through
     VirtualLayer layer_;
     VirtualLayer coverage_layer_;  // the same, its coverage in place of its light
     GraphTexture layer_drawn_;

@@ -62,17 +62,30 @@ ImageF undistorted_light(const PlateBehind::Source& source) {
 }
 
 PlateBehind::PlateBehind(const Source& source) {
-    const ImageF picture = undistorted_light(source);
+    take(undistorted_light(source), source.camera, source.optics.camera_from_world);
+}
+
+PlateBehind::PlateBehind(const ImageF& background, const Camera& camera, const RigidTransform& camera_from_world) {
+    ImageF picture(background.width(), background.height(), 4);
+    for (int y = 0; y < picture.height(); ++y) {
+        for (int x = 0; x < picture.width(); ++x) {
+            std::copy_n(background.pixel(x, y), 3, picture.pixel(x, y));
+            picture.at(x, y, 3) = 1;
+        }
+    }
+    take(picture, camera, camera_from_world);
+}
+
+void PlateBehind::take(const ImageF& picture, const Camera& camera, const RigidTransform& camera_from_world) {
     picture_ = Texture2D({.format = GL_RGBA16F, .width = picture.width(), .height = picture.height(), .levels = 0});
     picture_.upload(picture);
     picture_.make_mipmaps();
     picture_.set_filter(TextureFilter{});
-    const Camera& camera = source.camera;
     Eigen::Matrix4d picture_from_camera = Eigen::Matrix4d::Identity();
     // Shares of the picture's size, whose pixels count from their middle.
     picture_from_camera.row(0) << camera.fx / camera.width, 0, (camera.cx + 0.5) / camera.width, 0;
     picture_from_camera.row(1) << 0, camera.fy / camera.height, (camera.cy + 0.5) / camera.height, 0;
-    picture_from_world_ = (picture_from_camera * source.optics.camera_from_world.matrix()).cast<float>();
+    picture_from_world_ = (picture_from_camera * camera_from_world.matrix()).cast<float>();
 }
 
 void PlateBehind::bind(Program& program) const {

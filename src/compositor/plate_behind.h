@@ -27,11 +27,15 @@ public:
         std::function<Eigen::Vector3d(const float* code)> light_from_code;  // Rec.709, plate-linear
     };
     explicit PlateBehind(const Source& source);
+    /// Of a background in place of a plate: RGB in probe units, over the whole picture, or one pixel for all of it.
+    PlateBehind(const ImageF& background, const Camera& camera, const RigidTransform& camera_from_world);
 
     void bind(Program& program) const;
     static constexpr GLuint unit = 41;  // beyond those of materials
 
 private:
+    void take(const ImageF& picture, const Camera& camera, const RigidTransform& camera_from_world);
+
     Texture2D picture_;  // premultiplied with whether the frame shows it
     Eigen::Matrix4f picture_from_world_;
 };

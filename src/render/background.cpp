@@ -64,6 +64,14 @@ Background::Background(const BackgroundSettings& settings, const Probe& probe, i
     image_.upload(image);
 }
 
+std::optional<ImageF> Background::picture() const {
+    if (sky_) return std::nullopt;
+    if (image_) return image_.read<float>({0, 0, image_.width(), image_.height()}, 3);
+    ImageF even(1, 1, 3);
+    for (int c = 0; c < 3; ++c) even.at(0, 0, c) = static_cast<float>(color_[c]);
+    return even;
+}
+
 GraphTexture Background::add(RenderGraph& graph, ShaderLibrary& shaders, const BackgroundView& view) const {
     if (!view.defocus || !can_blur()) return add_part(graph, shaders, view, {0, 0, view.width, view.height}, 1);
     return add_background_defocus(

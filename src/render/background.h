@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "core/image.h"
 #include "core/transforms.h"
 #include "core/warnings.h"
 #include "gl/objects.h"
@@ -36,6 +37,8 @@ public:
 
     /// Whether a lens blurs it.
     bool can_blur() const { return static_cast<bool>(sky_); }
+    /// Scene-linear RGB over the whole frame, or one pixel where all are alike; nullopt for the skydome.
+    std::optional<ImageF> picture() const;
     /// Plate-linear RGB over the whole frame.
     GraphTexture add(RenderGraph& graph, ShaderLibrary& shaders, const BackgroundView& view) const;
 
