@@ -362,7 +362,9 @@ void Preview::run() {
         session_.update();
         take_pictures();
         const Eigen::Vector2i size = window_.framebuffer_size();
-        const bool scripted = script_ && !script_->finished();
+        // While a script waits for a picture, frames of the window would only take the processor from it.
+        const bool waits = script_ && script_->waits() && !session_.idle();
+        const bool scripted = script_ && !script_->finished() && !waits;
         const bool damaged = window_.take_damage() || size != drawn_px_;
         constexpr double told_after_s = 0.4;
         const bool tells = session_.busy_s() > told_after_s;

@@ -34,6 +34,8 @@ public:
     std::vector<InputEvent> before_frame(Controls& controls);
     /// Whether what was set found its control. Throws InputError naming file and line.
     void after_frame(Controls& controls);
+    /// For what is drawn; nothing is done meanwhile.
+    bool waits() const { return waiting_; }
     bool finished() const { return next_ == steps_.size() && ticks_.empty(); }
 
 private:

@@ -37,6 +37,7 @@ void Session::touch() {
 }
 
 void Session::set_trouble(const std::string& trouble) {
+    if (trouble == trouble_) return;  // told already: both threads meet it, and every frame may
     trouble_ = trouble;
     changed_ = true;
     options_.print("error: " + trouble);

@@ -21,7 +21,7 @@ struct SessionOptions {
     std::filesystem::path scene;
     std::int64_t frame = 0;
     std::optional<QualityLevel> level;  // instead of the scene's
-    std::filesystem::path truth = {};   // as truth_picture() takes it
+    std::filesystem::path truth = {};   // as TruthPictures takes it
     bool quiet = false;
     bool strict = false;  // what fails is thrown, not only told; and no picture is drawn coarsely first
     std::function<void(const std::string&)> print;

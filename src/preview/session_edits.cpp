@@ -1,12 +1,12 @@
 // What a session changes of its scene: always the text, from which the scene is read again.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/lowercase.h"
 #include "preview/session.h"
 
 namespace matchlight {
@@ -91,8 +91,7 @@ std::string Session::written(const std::filesystem::path& file) const {
 }
 
 void Session::take_file(const std::filesystem::path& file, const Eigen::Vector3d& translate_m) {
-    std::string kind = file.extension().string();
-    for (char& letter : kind) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    const std::string kind = lowercase_extension(file);
     if (kind == ".exr" || kind == ".hdr") return set("light.probe", written(file));
     static constexpr std::array<std::string_view, 5> models{".gltf", ".glb", ".obj", ".ply", ".stl"};
     const bool is_model = std::ranges::find(models, kind) != models.end();

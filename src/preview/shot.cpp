@@ -74,7 +74,8 @@ void Shot::set_scene(const Scene& scene) {
         frames_ = std::make_unique<FrameCache>(open_frames(scene_, false, warnings_));
     }
     context_.make_current();
-    if (!clip_stays || (free_ && !free_->set_scene(drawn_scene()))) free_.reset();
+    std::unique_ptr<FreeShot> free = std::move(free_);
+    if (clip_stays && free && free->set_scene(drawn_scene())) free_ = std::move(free);
     if (compositor_ == nullptr) return;
     // Of no use any more unless it takes the scene.
     std::unique_ptr<Compositor> compositor = std::move(compositor_);

@@ -9,7 +9,6 @@
 #include "core/error.h"
 #include "preview/free_view.h"
 #include "preview/texture_picture.h"
-#include "preview/truth_picture.h"
 #include "report/flip.h"
 #include "report/flip_colors.h"
 
@@ -145,6 +144,11 @@ void ShotThread::take_wishes(const PictureRequest& request) {
     shot_->set_scene(*scene_);
 }
 
+const TruthPictures& ShotThread::truth_of(const std::filesystem::path& path) {
+    if (!truth_ || truth_->path() != path) truth_.emplace(path);
+    return *truth_;
+}
+
 ShotPicture ShotThread::picture_of(const PictureRequest& request) {
     const Clock::time_point start = Clock::now();
     take_wishes(request);
@@ -194,7 +198,7 @@ ShotPicture ShotThread::picture_of(const PictureRequest& request) {
         picture.camera_from_world = solved->camera_from_world;
     }
     const bool wants_truth = !request.truth.empty();
-    if (wants_truth) picture.truth = truth_picture(request.truth, picture.frame).value_or(Image8());
+    if (wants_truth) picture.truth = truth_of(request.truth).of_frame(picture.frame).value_or(Image8());
     picture.flip_of_plate = picture.truth.width() == 0;
     if (request.plate || (request.difference && picture.flip_of_plate)) {
         picture.plate = plate->rgb8({0, 0, plate->format().width, plate->format().height});

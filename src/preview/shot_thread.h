@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "preview/shot.h"
+#include "preview/truth_picture.h"
 
 namespace matchlight {
 
@@ -40,7 +41,7 @@ struct PictureRequest {
     bool plate = false;
     bool difference = false;  // FLIP of the composite against the truth, or where there is none against the plate
     bool passes = false;      // timed
-    std::filesystem::path truth = {};  // as truth_picture() takes it; empty: not wanted
+    std::filesystem::path truth = {};  // as TruthPictures takes it; empty: not wanted
 };
 
 struct ShotPicture {
@@ -94,6 +95,7 @@ private:
     void do_next(std::unique_lock<std::mutex>& lock);
     void load();
     void take_wishes(const PictureRequest& request);
+    const TruthPictures& truth_of(const std::filesystem::path& path);
     ShotPicture picture_of(const PictureRequest& request);
     void look_at_shaders();
 
@@ -105,6 +107,7 @@ private:
     // The thread's own.
     std::unique_ptr<GlContext> context_;
     std::unique_ptr<Shot> shot_;
+    std::optional<TruthPictures> truth_;
     std::shared_ptr<const Scene> scene_;  // that the shot took last
 
     mutable std::mutex mutex_;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "core/error.h"
 #include "media/image_io.h"
@@ -24,18 +24,6 @@ std::optional<std::int64_t> number_at_end(const std::string& stem) {
     return number;
 }
 
-std::optional<fs::path> picture_in_folder(const fs::path& folder, std::int64_t frame) {
-    std::vector<fs::path> found;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-        const std::string extension = entry.path().extension().string();
-        const bool is_picture =
-            extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".tif";
-        if (is_picture && number_at_end(entry.path().stem().string()) == frame) found.push_back(entry.path());
-    }
-    if (found.empty()) return std::nullopt;
-    return *std::ranges::min_element(found);
-}
-
 }  // namespace
 
 void check_truth(const fs::path& truth) {
@@ -46,17 +34,27 @@ void check_truth(const fs::path& truth) {
     }
 }
 
-std::optional<Image8> truth_picture(const fs::path& truth, std::int64_t frame) {
-    if (truth.empty()) return std::nullopt;
-    fs::path file = truth;
-    if (is_pattern(truth)) {
-        file = numbered(truth, frame);
-        if (!fs::exists(file)) return std::nullopt;
-    } else if (fs::is_directory(truth)) {
-        const std::optional<fs::path> found = picture_in_folder(truth, frame);
-        if (!found) return std::nullopt;
-        file = *found;
+TruthPictures::TruthPictures(fs::path truth) : truth_(std::move(truth)) {
+    is_folder_ = !is_pattern(truth_) && fs::is_directory(truth_);
+    if (!is_folder_) return;
+    for (const fs::directory_entry& entry : fs::directory_iterator(truth_)) {
+        const std::string extension = entry.path().extension().string();
+        const bool is_picture =
+            extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".tif";
+        const std::optional<std::int64_t> number = number_at_end(entry.path().stem().string());
+        if (!is_picture || !number) continue;
+        const auto [known, is_new] = files_.emplace(*number, entry.path());
+        if (!is_new) known->second = std::min(known->second, entry.path());
     }
+}
+
+std::optional<Image8> TruthPictures::of_frame(std::int64_t frame) const {
+    if (is_folder_) {
+        const auto file = files_.find(frame);
+        return file == files_.end() ? std::nullopt : std::optional(read_rgb8(file->second));
+    }
+    const fs::path file = is_pattern(truth_) ? numbered(truth_, frame) : truth_;
+    if (is_pattern(truth_) && !fs::exists(file)) return std::nullopt;
     return read_rgb8(file);
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <stdexcept>
 
@@ -11,6 +10,7 @@
 #include <imgui.h>
 
 #include "compositor/quality.h"
+#include "core/lowercase.h"
 #include "preview/flight.h"
 #include "preview/timeline.h"
 
@@ -124,6 +124,17 @@ std::string values_under_pointer(const WindowParts& parts) {
     return text;
 }
 
+/// Work whose end is not known: a part that runs along the line, once in two seconds.
+void draw_progress(const Region& line, double busy_s, float scale) {
+    constexpr double round_s = 2;
+    const float part = 0.2f * static_cast<float>(line.width), height = 2 * scale;
+    const double share = std::fmod(busy_s, round_s) / round_s;
+    const float left = static_cast<float>(line.x) + static_cast<float>(share) * (static_cast<float>(line.width) - part);
+    const auto top = static_cast<float>(line.y);
+    ImGui::GetWindowDrawList()->AddRectFilled({left, top}, {left + part, top + height},
+                                              ImGui::GetColorU32(ImGuiCol_PlotHistogram));
+}
+
 void lay_out_status(const Layout& layout, const WindowParts& parts) {
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {8 * parts.state.layout.scale, 3 * parts.state.layout.scale});
     begin_part("##status", layout.status);
@@ -132,6 +143,7 @@ void lay_out_status(const Layout& layout, const WindowParts& parts) {
     constexpr double told_after_s = 0.5;
     std::string right = session.picture() ? fmt::format("{:.0f} ms", session.picture()->ms) : "";
     if (session.busy_s() > told_after_s) {
+        draw_progress(layout.status, session.busy_s(), parts.state.layout.scale);
         right = fmt::format("{} {:.1f} s", session.facts() == nullptr ? "loading" : "drawing", session.busy_s());
     } else if (parts.canvas.shown == ShownKind::difference && session.picture()) {
         right = fmt::format("mean FLIP against the {}: {:.4f}", session.picture()->flip_of_plate ? "plate" : "truth",
@@ -240,15 +252,10 @@ std::span<const Panel> window_panels() {
 }
 
 std::size_t panel_named(const std::string& name) {
-    const auto lower = [](std::string_view text) {
-        std::string lowered(text);
-        for (char& letter : lowered) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-        return lowered;
-    };
     std::string known;
     const std::span<const Panel> panels = window_panels();
     for (std::size_t i = 0; i < panels.size(); ++i) {
-        if (lower(panels[i].name) == lower(name)) return i;
+        if (lowercase(panels[i].name) == lowercase(name)) return i;
         known += (i == 0 ? "" : ", ") + std::string(panels[i].name);
     }
     throw std::invalid_argument(fmt::format("there is no panel '{}'; there are {}", name, known));
