@@ -46,9 +46,9 @@ std::vector<std::array<float, 4>> number_vertices(ModelMesh& mesh) {
     colors.reserve(mesh.vertices.size());
     for (ModelVertex& vertex : mesh.vertices) {
         const auto number = static_cast<std::uint32_t>(colors.size());
+        const std::uint32_t low = number % numbers_a_float, high = number / numbers_a_float;
         colors.push_back(vertex.color);
-        vertex.color = {static_cast<float>(number % numbers_a_float), static_cast<float>(number / numbers_a_float), 0,
-                        0};
+        vertex.color = {static_cast<float>(low), static_cast<float>(high), 0, 0};
     }
     return colors;
 }
