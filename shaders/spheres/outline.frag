@@ -1,6 +1,9 @@
 #version 450 core
 // The outline of the sphere that a pixel shows, where its neighbours show something else.
 #include "spheres/neighbours.glsl"
+#include "spheres/ray.glsl"
+
+uniform sampler2D seen_depth;   // near_m / z
 
 uniform samplerBuffer spheres;  // centre, radius
 uniform uint first_id, end_id;  // of the set
@@ -15,6 +18,8 @@ void main() {
     if (id < first_id || id >= end_id || !is_at_edge(pixel, id)) discard;
     vec4 sphere = texelFetch(spheres, int(id - first_id));
     dvec3 centre = dvec3(sphere.xyz) - dvec3(eye_high) - dvec3(eye_low);
+    vec3 met = near_plane_m / texelFetch(seen_depth, pixel, 0).r * ray_direction(picture_ndc());
+    sphere.w = drawn_radius(vec4(-centre, sphere.w), met);
     // Near a surface the two squares have nearly all digits in common.
     float power = float(dot(centre, centre) - double(sphere.w) * double(sphere.w));
     // From inside it is all around.

@@ -31,3 +31,12 @@ float nearest_on_sphere(vec4 from_centre_radius, float power, vec3 direction) {
     float met = nearer >= near_plane_m ? nearer : farther;
     return met >= near_plane_m ? met : -1.0;
 }
+
+uniform bool some_stand_for_others;  // and are drawn larger than they are (render/sphere_culling.h: SphereDetail)
+
+// The radius that a sphere was drawn with, which only the place tells where its ray met it; by less it is rounding.
+float drawn_radius(vec4 from_centre_radius, vec3 met) {
+    const float enlarged = 1.1;
+    float radius = length(from_centre_radius.xyz + met);
+    return some_stand_for_others && radius > enlarged * from_centre_radius.w ? radius : from_centre_radius.w;
+}

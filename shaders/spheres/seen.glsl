@@ -59,6 +59,7 @@ bool see() {
     vec3 direction = ray_direction(picture_ndc());
     float z_m = near_plane_m / fragment_depth;
     sees_inside = z_m * dot(direction, direction) > -dot(sphere_from_eye.xyz, direction);
+    sphere_from_eye.w = drawn_radius(sphere_from_eye, z_m * direction);
     model_position = eye_high + (eye_low + z_m * direction);
     world_position = (world_from_model * vec4(model_position, 1.0)).xyz;
     world_normal = sphere_normal(direction);

@@ -6,6 +6,7 @@
 uniform samplerBuffer spheres;  // centre, radius
 #else
 layout(location = 0) in vec4 centre_radius;
+layout(location = 1) in float radius_scale;  // one that stands for others is larger
 #endif
 
 uniform mat4 clip_from_model;   // multiplied in double precision on the CPU
@@ -29,7 +30,11 @@ void main() {
     int number = gl_VertexID;
 #endif
     vec3 centre = centre_radius.xyz;
+#ifdef TRIANGLES
     float radius = centre_radius.w;
+#else
+    float radius = centre_radius.w * radius_scale;
+#endif
     sphere_id = first_id + uint(number);
     mat4 rows = transpose(clip_from_model);
     vec4 clip = clip_from_model * vec4(centre, 1.0);

@@ -21,10 +21,11 @@ struct ReflectionSettings {
 };
 
 struct Quality {
-    int supersampling = 2;       // layer pixels along each side of a plate pixel, each with `samples` samples
-    int samples = 1;             // multisampling; with small triangles a sample costs more than a pixel
-    int sphere_edge_places = 4;  // along a layer pixel's side where spheres have edges (render/sphere_edges.h)
-    int mirror_face_px = 512;    // the reflection cube's sharpest level
+    int supersampling = 2;        // layer pixels along each side of a plate pixel, each with `samples` samples
+    int samples = 1;              // multisampling; with small triangles a sample costs more than a pixel
+    double sphere_detail_px = 0;  // smaller spheres are drawn fewer and larger (render/sphere_culling.h)
+    int sphere_edge_places = 4;   // along a layer pixel's side where spheres have edges (render/sphere_edges.h)
+    int mirror_face_px = 512;     // the reflection cube's sharpest level
     ContactShadowSettings shadow;
     ObjectShadowSettings object_shadow;
     ReflectionSettings reflection = {};
@@ -42,6 +43,7 @@ inline Quality quality_of(QualityLevel level) {
         case QualityLevel::draft:
             return {1,
                     1,
+                    0.5,
                     0,
                     128,
                     {.directions = 16, .resolution = 256},
@@ -56,6 +58,7 @@ inline Quality quality_of(QualityLevel level) {
         case QualityLevel::preview:
             return {1,
                     1,
+                    0.5,
                     4,
                     256,
                     {.directions = 32, .resolution = 512},
@@ -71,6 +74,7 @@ inline Quality quality_of(QualityLevel level) {
             return {
                 4,
                 4,
+                0,
                 4,
                 1024,
                 {.directions = 1024, .resolution = 2048, .lost_share = 0.0005},
@@ -85,7 +89,7 @@ inline Quality quality_of(QualityLevel level) {
         case QualityLevel::final_:
             break;
     }
-    return {2, 1, 4, 512, {.directions = 128, .resolution = 1024}, {}};
+    return {2, 1, 0, 4, 512, {.directions = 128, .resolution = 1024}, {}};
 }
 
 /// The same with reflections that meet no object, and without light that bounces.
@@ -95,7 +99,7 @@ inline Quality without_rays(Quality quality) {
     return quality;
 }
 
-/// The same with what the scene says of rays and edges in place of the level.
+/// The same with what the scene says of rays and spheres in place of the level.
 inline Quality with_choices_of(const Scene& scene, Quality quality) {
     if (scene.sphere_edges) quality.sphere_edge_places = *scene.sphere_edges;
     if (scene.reflections) quality.reflection.level = *scene.reflections;

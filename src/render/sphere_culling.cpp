@@ -14,9 +14,22 @@ namespace {
 constexpr std::array<double, 5> round_ends{1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1};
 /// With fewer spheres the tests cost more than what they save.
 constexpr std::uint32_t fewest_to_cull = 100'000;
+/// Fewer do not stand for the others.
+constexpr std::uint32_t fewest_in_cell = 64;
 
 int groups_of(int size, int group) {
     return (size + group - 1) / group;
+}
+
+/// How many times the spheres of a cell are halved.
+int detail_level(const SphereCulling::Drawn& drawn, const SphereCell& cell) {
+    if (drawn.detail.radius_px <= 0) return 0;
+    const double radius_px = drawn.rays.largest_radius_px(cell);
+    int level = 0;
+    while (level < most_detail_level && cell.count >> (level + 1) >= fewest_in_cell &&
+           radius_scale(level + 1) * radius_px <= drawn.detail.radius_px)
+        ++level;
+    return level;
 }
 
 }  // namespace
@@ -59,12 +72,15 @@ void SphereCulling::List::clear() {
     boxes.clear();
 }
 
-void SphereCulling::List::add(const SphereCell& cell) {
+void SphereCulling::List::add(const SphereCell& cell, int level) {
     constexpr std::uint32_t corners = 6;
-    commands.push_back(is_points ? Command{.count = cell.count, .first = cell.first}
-                                 : Command{.count = cell.count * corners, .first = cell.first * corners});
-    boxes.push_back({cell.low_m[0], cell.low_m[1], cell.low_m[2], 0});
-    boxes.push_back({cell.high_m[0], cell.high_m[1], cell.high_m[2], 0});
+    const std::uint32_t count = cell.count >> level;
+    commands.push_back(
+        is_points ? Command{.count = count, .first = cell.first, .base_instance = static_cast<std::uint32_t>(level)}
+                  : Command{.count = count * corners, .first = cell.first * corners});
+    const float wider_m = static_cast<float>(radius_scale(level) - 1) * cell.largest_radius_m;
+    boxes.push_back({cell.low_m[0] - wider_m, cell.low_m[1] - wider_m, cell.low_m[2] - wider_m, 0});
+    boxes.push_back({cell.high_m[0] + wider_m, cell.high_m[1] + wider_m, cell.high_m[2] + wider_m, 0});
 }
 
 void SphereCulling::List::upload() {
@@ -106,7 +122,7 @@ void SphereCulling::draw(const Drawn& drawn, const SphereVisibility& visibility)
         for (; done < end; ++done) {
             const Sorted& next = sorted[done];
             List& list = next.place == SphereRays::Place::small ? points_ : triangles_;
-            list.add(*next.cell);
+            list.add(*next.cell, next.place == SphereRays::Place::small ? detail_level(drawn, *next.cell) : 0);
         }
         rounds.push_back({points_.commands.size(), triangles_.commands.size()});
     }
@@ -165,15 +181,23 @@ void SphereCulling::cull(const Drawn& drawn, const DepthPyramid& pyramid, const 
     glDispatchCompute(static_cast<GLuint>(groups_of(static_cast<int>(end - first), group)), 1, 1);
 }
 
-std::size_t SphereCulling::List::left() const {
-    if (commands.empty()) return 0;
+std::vector<SphereCulling::Command> SphereCulling::List::left() const {
     std::vector<Command> after(commands);
-    draws.read(std::span<Command>(after));
-    return static_cast<std::size_t>(std::ranges::count_if(after, [](const Command& one) { return one.count > 0; }));
+    if (!after.empty()) draws.read(std::span<Command>(after));
+    std::erase_if(after, [](const Command& one) { return one.count == 0; });
+    return after;
 }
 
 std::size_t SphereCulling::cells_drawn() const {
-    return points_.left() + triangles_.left();
+    return points_.left().size() + triangles_.left().size();
+}
+
+std::size_t SphereCulling::spheres_drawn() const {
+    constexpr std::size_t corners = 6;
+    std::size_t spheres = 0;
+    for (const Command& command : points_.left()) spheres += command.count;
+    for (const Command& command : triangles_.left()) spheres += command.count / corners;
+    return spheres;
 }
 
 }  // namespace matchlight

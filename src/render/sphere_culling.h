@@ -17,6 +17,12 @@ struct SphereVisibility {
     bool occlusion = true;  // what is behind what was drawn before is passed over
 };
 
+/// Of a cell of small spheres 1 in 2ⁿ is drawn, larger by the root of that, so that as much is covered as by all (Cook,
+/// Halstead, Planck & Ryu 2007, "Stochastic Simplification of Aggregate Detail").
+struct SphereDetail {
+    double radius_px = 0;  // spheres are drawn no larger than this, or as they are; 0: all are drawn
+};
+
 /// The farthest depths of a picture, or the nearest, level by level: each holds that of 2 × 2 texels of the one before.
 class DepthPyramid {
 public:
@@ -51,11 +57,14 @@ public:
         const Texture2D* depth = nullptr;   // what is drawn into, for tests of occlusion; null: none are made
         int width = 0, height = 0;          // of its part that is used
         const Texture2D* peeled = nullptr;  // the depth of the layer that was peeled off last; null: nothing was
+        SphereDetail detail = {};
     };
     void draw(const Drawn& drawn, const SphereVisibility& visibility);
 
     /// Cells that the last draw did not pass over: waits for the GPU. For reports and tests.
     std::size_t cells_drawn() const;
+    /// And spheres in them.
+    std::size_t spheres_drawn() const;
 
 private:
     struct Command {
@@ -70,9 +79,10 @@ private:
         bool is_points = true;
 
         void clear();
-        void add(const SphereCell& cell);
+        /// 1 of 2^`level` of its spheres.
+        void add(const SphereCell& cell, int level);
         void upload();
-        std::size_t left() const;  // that were not taken out
+        std::vector<Command> left() const;  // that were not taken out
     };
     void draw_round(const Drawn& drawn, const List& list, std::size_t first, std::size_t end) const;
     /// Takes out what the pyramid shows to be hidden or, where it is of a peeled layer, to be before that.

@@ -2,6 +2,7 @@
 #include "render/sphere_geometry.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 
 #include <fmt/format.h>
@@ -49,6 +50,13 @@ SphereGeometry::SphereGeometry(const SphereSet& set)
     sphere_texels_ = BufferTexture(spheres_, GL_RGBA32F);
     const VertexArray::Attribute centre_radius{.location = 0, .components = 4, .byte_offset = 0};
     points_.set_vertex_buffer(0, spheres_, sizeof(Sphere), std::span(&centre_radius, 1));
+    std::array<float, most_detail_level + 1> scales{};
+    for (int level = 0; level <= most_detail_level; ++level)
+        scales.at(static_cast<std::size_t>(level)) = static_cast<float>(radius_scale(level));
+    radius_scales_ = Buffer(sizeof(scales));
+    radius_scales_.upload(std::span<const float>(scales));
+    const VertexArray::Attribute scale{.location = 1, .components = 1, .byte_offset = 0};
+    points_.set_vertex_buffer(1, radius_scales_, sizeof(float), std::span(&scale, 1), 1);
     has_colors_ = !set.colors.empty();
     if (has_colors_) {
         colors_ = in_order(std::span<const std::array<std::uint8_t, 4>>(set.colors), sorted.order);

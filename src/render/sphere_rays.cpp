@@ -89,14 +89,24 @@ SphereRays::Place SphereRays::place(const SphereCell& cell) const {
     }
     if (std::ranges::find(outside, 8) != outside.end()) return Place::outside;
     if (std::ranges::any_of(outside, [](int corners) { return corners > 0; }) || nearest_w <= 0) return Place::large;
+    constexpr double largest_point_px = 56;  // OpenGL promises only a point of one pixel; all drivers draw 64
+    return 2 * radius_px(cell, nearest_w) < largest_point_px ? Place::small : Place::large;
+}
+
+double SphereRays::radius_px(const SphereCell& cell, double nearest_w) const {
     // Within the picture a place moves by no more than this with a metre.
     const double along_w = clip_from_model_.row(3).head<3>().norm();
     const double ndc_per_m =
         (std::max(clip_from_model_.row(0).head<3>().norm(), clip_from_model_.row(1).head<3>().norm()) + along_w) /
         nearest_w;
-    const double across_px = ndc_per_m * cell.largest_radius_m * std::max(width_, height_);
-    constexpr double largest_point_px = 56;  // OpenGL promises only a point of one pixel; all drivers draw 64
-    return across_px < largest_point_px ? Place::small : Place::large;
+    return 0.5 * ndc_per_m * cell.largest_radius_m * std::max(width_, height_);
+}
+
+double SphereRays::largest_radius_px(const SphereCell& cell) const {
+    double nearest_w = std::numeric_limits<double>::max();
+    for (int i = 0; i < 8; ++i)
+        nearest_w = std::min(nearest_w, clip_from_model_.row(3).dot(corner_of(cell, i).homogeneous()));
+    return radius_px(cell, nearest_w);
 }
 
 }  // namespace matchlight

@@ -34,11 +34,14 @@ public:
         large   // at the edge, before the near plane, or of large spheres
     };
     Place place(const SphereCell& cell) const;
+    /// Of a cell that is small: no sphere of it is drawn larger.
+    double largest_radius_px(const SphereCell& cell) const;
     /// The depth of its nearest corner; more than 1 before the near plane.
     double nearest_depth(const SphereCell& cell) const;
 
 private:
     Eigen::Vector3d origin() const;
+    double radius_px(const SphereCell& cell, double nearest_w) const;
 
     Eigen::Matrix4d clip_from_model_;
     Eigen::Matrix3d ray_from_ndc_;

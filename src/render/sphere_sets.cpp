@@ -97,7 +97,8 @@ void SphereSets::draw_each(const EachDraw& drawn) {
                        .depth = drawn.depth,
                        .width = drawn.width,
                        .height = drawn.height,
-                       .peeled = drawn.peeled},
+                       .peeled = drawn.peeled,
+                       .detail = one.detail},
                       visibility);
     }
 }

@@ -27,6 +27,7 @@ struct PlacedSpheres {
     std::size_t set = 0;
     Eigen::Matrix4d world_from_model = Eigen::Matrix4d::Identity();
     Eigen::Matrix4d clip_from_world = Eigen::Matrix4d::Identity();  // a perspective
+    SphereDetail detail = {};
 };
 
 /// Textures whose top-left part is the picture; they hold until the next one of the same kind.

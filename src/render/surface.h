@@ -72,6 +72,7 @@ struct SurfaceView {
     /// are; SurfacePicture::coverage then tells them from virtual ones. False: they leave the picture empty.
     bool parts_coverage = false;
     const RealDepth* real_depth = nullptr;  // null: not known
+    double sphere_detail_px = 0;            // SphereDetail::radius_px of opaque spheres
     int sphere_edge_places = 0;  // along a pixel's side (render/sphere_edges.h); less than 2: pixels' middles tell
 };
 

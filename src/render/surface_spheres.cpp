@@ -68,7 +68,10 @@ std::vector<PlacedSpheres> SurfaceRenderer::placed_spheres(const SurfaceView& vi
     for (std::size_t i = 0; i < objects_.size(); ++i) {
         const Object& object = objects_[i];
         if (!object.is_spheres() || !of(object)) continue;
-        placed.push_back({*object.spheres, object.world_from_model, view_of_object(view, i).clip_from_world});
+        placed.push_back({.set = *object.spheres,
+                          .world_from_model = object.world_from_model,
+                          .clip_from_world = view_of_object(view, i).clip_from_world,
+                          .detail = {object.has_blending_spheres() ? 0 : view.sphere_detail_px}});
     }
     return placed;
 }
@@ -190,6 +193,7 @@ void SurfaceRenderer::place_spheres(Program& program, const SurfaceView& view, c
     geometry.bind(program);
     const std::uint32_t first_id = spheres_->first_id(*object.spheres);
     program.set("first_id", first_id);
+    program.set("some_stand_for_others", view.sphere_detail_px > 0);
     program.set("end_id", first_id + geometry.size());
     object.materials.front().bind(program);
     program.set("material_index", 0.0);

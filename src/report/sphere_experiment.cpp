@@ -85,10 +85,17 @@ void measure_opaque(const SphereSet& set, const SphereCaster& rays, const Sphere
         report.sphere_study.checks.push_back(std::move(check));
         if (options.advance) options.advance();
     }
-    const ReferenceView view = views_of(set, sphere_orbits().back(), 1, options.side_px).front();
-    EffectReport edges = measure_sphere_edges(stage, rays, view, {.repeats = options.repeats}, options.quick);
+    const auto trial_view = [&](const SphereOrbit& orbit) {
+        return SphereTrialView{.view = views_of(set, orbit, 1, options.side_px).front(),
+                               .timing = {.repeats = options.repeats},
+                               .quick = options.quick};
+    };
+    EffectReport edges = measure_sphere_edges(stage, rays, trial_view(sphere_orbits().back()));
     edges.name = "edges of " + set.name;
     report.effects.push_back(std::move(edges));
+    EffectReport detail = measure_sphere_detail(stage, rays, trial_view(sphere_orbits().front()));
+    detail.name = "detail of " + set.name;
+    report.effects.push_back(std::move(detail));
 }
 
 /// The same spheres, all of the study's opacity.

@@ -50,6 +50,7 @@ void SphereStage::draw(const ReferenceView& view, const SphereVisibility& visibi
     seen.height = view.height();
     seen.samples = 1;
     seen.sphere_edge_places = edge_places_;
+    seen.sphere_detail_px = detail_px_;
     drawn_ = renderer_.draw(environment_, seen);
 }
 
@@ -70,6 +71,12 @@ std::vector<Knob> SphereStage::drawn_cells() {
     const SphereSets* spheres = renderer_.spheres();
     if (spheres == nullptr) return {};
     return {{"cells", static_cast<double>(spheres->culling().cells_drawn())}};
+}
+
+std::vector<Knob> SphereStage::drawn_spheres() {
+    const SphereSets* spheres = renderer_.spheres();
+    if (spheres == nullptr) return {};
+    return {{"spheres", static_cast<double>(spheres->culling().spheres_drawn())}};
 }
 
 double SphereStage::most_light() const {

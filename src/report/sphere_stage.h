@@ -30,6 +30,9 @@ public:
     void set_peeling(double residual, int most_layers, TransparencyMethod method) {
         renderer_.set_peeling(residual, most_layers, method);
     }
+    /// SurfaceView::sphere_detail_px from now on; 0 at first.
+    void set_detail_px(double radius_px) { detail_px_ = radius_px; }
+    std::vector<Knob> drawn_spheres();
     /// Places along a pixel's side at edges from now on; 0 at first.
     void set_edge_places(int places) { edge_places_ = places; }
     int peeled_layers() const { return renderer_.peeled_layers(); }
@@ -45,6 +48,7 @@ private:
     SurfaceRenderer renderer_;
     SurfacePicture drawn_;
     int edge_places_ = 0;
+    double detail_px_ = 0;
 };
 
 }  // namespace matchlight

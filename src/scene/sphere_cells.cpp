@@ -2,10 +2,12 @@
 #include "scene/sphere_cells.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 
 namespace matchlight {
 
@@ -56,6 +58,27 @@ private:
     std::array<std::size_t, 3> counts_{1, 1, 1};
 };
 
+/// Of a place, to the last bit: neighbours have nothing in common.
+std::uint64_t scrambled(const std::array<float, 3>& place) {
+    std::uint64_t hash = 0;
+    for (const float along : place) {
+        // Steele, Lea & Flood 2014, "Fast Splittable Pseudorandom Number Generators": its finalizer.
+        hash += std::bit_cast<std::uint32_t>(along) + 0x9e3779b97f4a7c15;
+        hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9;
+        hash = (hash ^ (hash >> 27)) * 0x94d049bb133111eb;
+        hash ^= hash >> 31;
+    }
+    return hash;
+}
+
+void mix(const SphereSet& set, std::span<Index> members) {
+    std::vector<std::pair<std::uint64_t, Index>> keys;
+    keys.reserve(members.size());
+    for (const Index i : members) keys.emplace_back(scrambled(set.spheres[i].centre_m), i);
+    std::ranges::sort(keys);
+    std::ranges::transform(keys, members.begin(), [](const auto& key) { return key.second; });
+}
+
 SphereCell cell_around(const SphereSet& set, std::span<const Index> members, std::size_t first) {
     SphereCell cell{.first = static_cast<Index>(first), .count = static_cast<Index>(members.size())};
     cell.low_m.fill(std::numeric_limits<float>::max());
@@ -102,7 +125,7 @@ void halve(const SphereSet& set, SphereCells& cells, std::size_t first, std::siz
             return;
         }
     }
-    std::ranges::sort(members);
+    mix(set, members);
     cells.cells.push_back(cell_around(set, members, first));
 }
 

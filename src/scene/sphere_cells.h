@@ -10,7 +10,8 @@
 
 namespace matchlight {
 
-/// Neighbours, one after another in SphereCells::order.
+/// Neighbours, one after another in SphereCells::order: mixed, so that the first few of a cell are an even choice of
+/// all of them; those at one place as in the set.
 struct SphereCell {
     std::uint32_t first = 0, count = 0;
     std::array<float, 3> low_m{}, high_m{};  // of the spheres, not of their centres alone
@@ -18,7 +19,7 @@ struct SphereCell {
 };
 
 struct SphereCells {
-    std::vector<std::uint32_t> order;  // indices into the set, each once; within a cell as in the set
+    std::vector<std::uint32_t> order;  // indices into the set, each once
     std::vector<SphereCell> cells;     // none is empty
 };
 
