@@ -12,6 +12,8 @@ package=$(find "$scratch/packed" -maxdepth 1 -name 'matchlight_*.deb')
 dpkg-deb --info "$package"
 dpkg-deb --field "$package" Depends | grep libavformat
 dpkg-deb --contents "$package" | grep 'usr/share/matchlight/shaders/'
+dpkg-deb --contents "$package" | grep 'usr/share/matchlight/probes/city/probe.exr'
+dpkg-deb --contents "$package" | grep 'usr/share/matchlight/calib/boards/charuco_12x8.toml'
 dpkg --extract "$package" "$scratch/root"
 
 program=$scratch/root/usr/bin/matchlight
