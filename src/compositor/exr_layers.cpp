@@ -144,7 +144,7 @@ void write_exr_layers(const std::filesystem::path& path, const CompositedFrame& 
     // Once a file: a table is long.
     file.parts().front().metadata["matchlight:response"] = compositor.response_of(frame.plate).to_json().dump();
     const Eigen::Matrix3d& footage = from_rec709(format.primaries);
-    file.parts().front().metadata["matchlight:footage_primaries"] = name_of(format.primaries);
+    file.parts().front().metadata["matchlight:footage_primaries"] = format.primaries.name();
     file.parts().front().metadata["matchlight:footage_from_rec709"] =
         three_numbers(footage.row(0)) + " " + three_numbers(footage.row(1)) + " " + three_numbers(footage.row(2));
     file.parts().front().metadata["matchlight:formula"] =

@@ -48,6 +48,8 @@ std::string surface_key(const Scene& scene, const Solve& solve, const SurfacePic
     }
     hash.add(scene.footage.color_matrix.value_or(""));
     hash.add(scene.footage.color_range.value_or(""));
+    if (!scene.footage.ocio_config.empty()) hash.add_file(scene.footage.ocio_config);
+    hash.add(scene.footage.ocio_space);
     add_holdouts(hash, scene, solve, spread_frames(solve, options.most_frames));
     const std::array<double, 2> vignette = vignette_of(scene.effects.vignette, solve);
     hash.add(fmt::format("{} {} {} {} {}", scene.surface.z_m, vignette[0], vignette[1], options.most_frames,

@@ -17,6 +17,7 @@ struct FootageOptions {
     std::optional<double> sequence_fps;  // image sequences only; 25 unless given
     std::optional<ColorMatrix> matrix;   // overrides the file's tag
     std::optional<ColorRange> range;
+    std::optional<Primaries> primaries;  // overrides the file's tags of primaries and transfer: Transfer::camera
     bool strict = false;  // truncation and damage are errors, not warnings
 };
 

@@ -125,6 +125,10 @@ PlateFormat plate_format_of(const AVFrame& frame, int rotation_deg, const Footag
     if (frame.color_trc == AVCOL_TRC_ARIB_STD_B67) format.transfer = Transfer::hlg;
     if (frame.color_primaries == AVCOL_PRI_BT2020) format.primaries = Primaries::rec2020;
     if (frame.color_primaries == AVCOL_PRI_SMPTE432) format.primaries = Primaries::p3;
+    if (options.primaries) {
+        format.transfer = Transfer::camera;
+        format.primaries = *options.primaries;
+    }
     if (layout->is_chroma(1)) {
         format.siting = siting_of(frame, format.range == ColorRange::full);
         format.chroma_block_width = 1 << layout->log2_chroma_width;

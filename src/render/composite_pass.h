@@ -103,7 +103,7 @@ public:
     /// `lens_nodes` as LensMap has it, one node every `lens_spacing` pixels; `response` holds one row a channel, of
     /// light of the footage's primaries.
     CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response,
-                  Primaries primaries = Primaries::rec709);
+                  const Primaries& primaries = Primaries::rec709);
 
     CompositePicture add(RenderGraph& graph, const CompositeInput& input);
     /// Over `region`; of the input the layer alone counts. The same light, bit for bit, that add() composites.

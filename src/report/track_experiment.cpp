@@ -13,6 +13,7 @@
 #include "report/track_truth.h"
 #include "scene/footage_options.h"
 #include "tracking/clip_observations.h"
+#include "tracking/plate_light.h"
 #include "tracking/track.h"
 
 namespace matchlight {
@@ -68,7 +69,7 @@ std::vector<FrameObservations> observations(const Scene& scene, const Way& way, 
     options.level = way.level;
     options.corners = way.corners;
     options.quiet = true;
-    const Response response = scene.footage.response ? Response::load(*scene.footage.response) : Response::srgb();
+    const Response response = footage_response(scene.footage);
     return observe_clip(*source, scene.tags, solve.camera, response, options).frames;
 }
 

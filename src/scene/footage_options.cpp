@@ -2,6 +2,7 @@
 #include "scene/footage_options.h"
 
 #include "media/blank_source.h"
+#include "media/ocio_space.h"
 
 namespace matchlight {
 
@@ -14,6 +15,7 @@ FootageOptions footage_options(const FootageSettings& footage, bool strict) {
     if (footage.color_matrix == "bt2020") options.matrix = ColorMatrix::bt2020;
     if (footage.color_range == "limited") options.range = ColorRange::limited;
     if (footage.color_range == "full") options.range = ColorRange::full;
+    if (!footage.ocio_space.empty()) options.primaries = ocio_space(footage.ocio_config, footage.ocio_space).primaries;
     return options;
 }
 

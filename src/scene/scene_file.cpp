@@ -44,6 +44,7 @@ public:
         check_kind_of_scene(root);
         for (const SceneSection& section : scene_sections()) read_section_of_root(root, section);
         if (const toml::node* background = root.get("background")) check_background(*background);
+        check_color(root);
         check_exposure(root);
         check_focus(root);
         check_vignette(root);
@@ -66,6 +67,7 @@ private:
     void check_spheres(const toml::table& table);
     void check_camera(const toml::table& table);
     void check_background(const toml::node& node);
+    void check_color(const toml::table& root);
     void check_exposure(const toml::table& root);
     void check_focus(const toml::table& root);
     void check_vignette(const toml::table& root);
@@ -416,6 +418,20 @@ void SceneReader::check_focus(const toml::table& root) {
         *table->get("object"),
         fmt::format("'object' in [effects.depth_of_field]: the scene has no object '{}'", wanted),
         names.empty() ? "give it an [[object]]" : fmt::format("did you mean '{}'?", nearest_word(wanted, names)));
+}
+
+void SceneReader::check_color(const toml::table& root) {
+    const toml::node_view<const toml::node> footage = root["footage"];
+    if (const toml::node* config = footage["ocio_config"].node();
+        config != nullptr && scene_.footage.ocio_space.empty()) {
+        source_.fail(*config, "'ocio_config' in [footage] needs to know which of its spaces the footage is in",
+                     "give ocio_space");
+    }
+    if (const toml::node* response = footage["response"].node();
+        response != nullptr && !scene_.footage.ocio_space.empty()) {
+        source_.fail(*response, "'response' in [footage] and 'ocio_space' both say the footage's curve",
+                     "leave one of them out");
+    }
 }
 
 void SceneReader::check_vignette(const toml::table& root) {

@@ -34,6 +34,8 @@ struct FootageSettings {
     bool solve_readout = false;               // `track` finds it
     std::optional<std::string> color_matrix;  // "bt601", "bt709", "bt2020": overrides the file's tag
     std::optional<std::string> color_range;   // "limited", "full"
+    std::filesystem::path ocio_config;        // empty: $OCIO, where ocio_space is given
+    std::string ocio_space;                   // of the footage; empty: response and the file's tags count
     std::filesystem::path matte;              // what is real and in front, a picture a frame; empty: nothing
     std::filesystem::path depth;              // of what the footage shows; empty: not known
     std::optional<double> depth_scale;        // metres a unit

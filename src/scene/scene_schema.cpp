@@ -89,6 +89,12 @@ const std::vector<Setting> own_settings = {
      [](Scene& s, const SettingValue& v) { s.footage.color_matrix = v.text; }},
     {"footage", "color_range", one_of({"limited", "full"}), "", "", "overrides the file's tag",
      [](Scene& s, const SettingValue& v) { s.footage.color_range = v.text; }},
+    {"footage", "ocio_space", of_kind(text), "", "",
+     "the footage's colour space by its name in an OpenColorIO config, in place of `response` and the file's tags",
+     [](Scene& s, const SettingValue& v) { s.footage.ocio_space = v.text; }},
+    {"footage", "ocio_config", of_kind(input_file), "", "",
+     "that config (`config.ocio`); the one that `$OCIO` names unless given",
+     [](Scene& s, const SettingValue& v) { s.footage.ocio_config = v.path; }},
     {"footage", "matte", of_kind(footage), "", "",
      "video or pictures (`matte_%04d.png`), one for every frame: white is real and in front of everything virtual, "
      "such "

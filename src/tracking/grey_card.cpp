@@ -246,7 +246,7 @@ LightOfCode light_of(const CardCode& card, const PlateLight& plate_light, int ch
 
 /// Light of Rec.709's primaries. Where the footage has others, a channel of it is made of all of the footage's.
 std::array<LightOfCode, 3> lights_of(const std::array<CardCode, 3>& cards, const PlateLight& plate_light,
-                                     Primaries primaries) {
+                                     const Primaries& primaries) {
     std::array<LightOfCode, 3> footage, lights;
     for (int c = 0; c < 3; ++c) {
         const auto channel = static_cast<std::size_t>(c);

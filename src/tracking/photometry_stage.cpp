@@ -31,7 +31,8 @@ std::string described(const Response& response) {
 /// Footage whose curve is only assumed gets a warning when its tags clearly contradict it.
 void check_assumed_response(const ClipContext& context, const ClipObservations& clip, PhotometrySummary& summary) {
     const FootageSettings& footage = context.scene.footage;
-    if (footage.response || footage.solve_response || context.footage.format.transfer != Transfer::camera) return;
+    const bool is_known = footage.response || !footage.ocio_space.empty();
+    if (is_known || footage.solve_response || context.footage.format.transfer != Transfer::camera) return;
     const ResponseFit fit = fit_response(clip.cards, paper_over_ink(context.scene.tags));
     summary.exposure_range_ev = fit.exposure_range_ev;
     if (fit.response.family() == Response::Family::srgb) return;

@@ -2,10 +2,15 @@
 #include "tracking/plate_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <span>
+#include <utility>
 
 #include <Eigen/Core>
+
+#include "media/ocio_space.h"
 
 namespace matchlight {
 
@@ -18,6 +23,16 @@ constexpr int steps_per_unit = 4096;
 constexpr int table_size = static_cast<int>((last_code - first_code) * steps_per_unit) + 2;
 
 }  // namespace
+
+Response footage_response(const FootageSettings& footage) {
+    if (!footage.ocio_space.empty()) {
+        OcioSpace space = ocio_space(footage.ocio_config, footage.ocio_space);
+        std::array<Response::Curve, 3> curves;
+        for (std::size_t c = 0; c < 3; ++c) curves[c] = {space.codes, std::move(space.linear[c])};
+        return Response::from_curves(std::move(curves), footage.ocio_config);
+    }
+    return footage.response ? Response::load(*footage.response) : Response::srgb();
+}
 
 Response effective_response(const Response& scene_response, Transfer transfer) {
     switch (transfer) {

@@ -7,6 +7,7 @@
 #include "calibration/response.h"
 #include "core/image.h"
 #include "media/plate.h"
+#include "scene/scene_file.h"
 
 namespace matchlight {
 
@@ -33,6 +34,9 @@ private:
     std::array<std::vector<float>, 3> tables_;
     std::array<double, 3> clipped_light_{};
 };
+
+/// The curve that a scene says: of its OpenColorIO space, of its response, or sRGB. Throws InputError.
+Response footage_response(const FootageSettings& footage);
 
 /// The curve that holds for footage of this transfer.
 Response effective_response(const Response& scene_response, Transfer transfer);

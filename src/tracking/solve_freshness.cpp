@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "tracking/lens_projection.h"
+#include "tracking/plate_light.h"
 
 namespace matchlight {
 namespace {
@@ -40,7 +41,8 @@ bool is_footage_name(std::string_view key) {
 }
 /// Camera and response are compared by what is in their files.
 bool is_other_footage_key(std::string_view key) {
-    return key == "color_matrix" || key == "color_range" || key == "fps" || key == "refine_lens" || key == "readout";
+    return key == "color_matrix" || key == "color_range" || key == "fps" || key == "refine_lens" || key == "readout" ||
+           key == "ocio_space";
 }
 
 /// A tag that the solve does not hold, or whose place the scene does not give, contradicts nothing.
@@ -115,7 +117,7 @@ void check_solve_is_of_scene(const Solve& solve, const Scene& scene, Warnings& w
     if (scene.footage.solve_response) {
         if (differs("footage", is_response_key)) refuse("a response that was not solved for, as the scene asks");
     } else {
-        const Response response = scene.footage.response ? Response::load(*scene.footage.response) : Response::srgb();
+        const Response response = footage_response(scene.footage);
         if (!same_response(response, solve.response)) refuse("another response than the scene has");
     }
 

@@ -40,7 +40,7 @@ public:
         const FootageInfo& info = source->info();
         solve_.camera = calibrated_camera(info.format.width, info.format.height);
         Camera camera = solve_.camera;
-        if (scene_.footage.response) solve_.response = Response::load(*scene_.footage.response);
+        solve_.response = footage_response(scene_.footage);
         // Read before the long work, so that a bad probe is known at once.
         std::optional<Probe> probe;
         if (scene_.probe) {

@@ -21,5 +21,23 @@ TEST(Primaries, KeepGreyAndInvert) {
     }
 }
 
+TEST(Primaries, Aces2065IsThatOfOpenColorIO) {
+    // "ACES2065-1 to Linear Rec.709" of OpenColorIO's ACES configs.
+    Eigen::Matrix3d printed;
+    printed << 2.521686, -1.134131, -0.387555, -0.276480, 1.372719, -0.096239, -0.015378, -0.152975, 1.168353;
+    EXPECT_LT((rec709_from_aces2065() - printed).cwiseAbs().maxCoeff(), 2e-4);
+}
+
+TEST(Primaries, AreGivenByAMatrixToo) {
+    Eigen::Matrix3d matrix;
+    matrix << 1.2, -0.1, -0.1, -0.05, 1.1, -0.05, 0, -0.2, 1.2;
+    const Primaries given(matrix, "mine");
+    EXPECT_EQ(rec709_from(given), matrix);
+    EXPECT_TRUE((from_rec709(given) * matrix).isIdentity(1e-12));
+    EXPECT_EQ(given.name(), "mine");
+    EXPECT_FALSE(given == Primaries::rec709);
+    EXPECT_TRUE(Primaries(Eigen::Matrix3d::Identity(), "the same") == Primaries::rec709);
+}
+
 }  // namespace
 }  // namespace matchlight
