@@ -73,7 +73,7 @@ ImageF read_runs(const Texture2D& texture, const Region& region, const std::vect
 }
 
 CompositePass::CompositePass(ShaderLibrary& shaders, const ImageF& lens_nodes, int lens_spacing, const ImageF& response,
-                             Primaries primaries)
+                             const Primaries& primaries)
     : shaders_(shaders),
       lens_nodes_({.format = GL_RG32F, .width = lens_nodes.width(), .height = lens_nodes.height()}),
       response_({.format = GL_R32F, .width = response.width(), .height = 6}),
