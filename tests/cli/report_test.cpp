@@ -318,19 +318,22 @@ TEST_F(ReportTest, SphereSetsAreMeasuredOverOrbits) {
         EXPECT_EQ(way["spheres"], 3);
         EXPECT_GT(way["ms_median"], 0);
     }
-    EXPECT_EQ(ways, (std::map<std::string, int>{{"visibility", 6}, {"light", 4}, {"layers", 2}, {"peeling", 3}}));
+    EXPECT_EQ(ways, (std::map<std::string, int>{{"visibility", 6}, {"light", 6}, {"layers", 2}, {"peeling", 9}}));
     ASSERT_EQ(written["sphere_study"]["checks"].size(), 2U);
     for (const json& check : written["sphere_study"]["checks"]) {
         EXPECT_GT(check["pixels"], 1000);
         EXPECT_LE(check["largest_codes"], 1);
+        EXPECT_EQ(check["over_a_sixteenth"], 0);
     }
     // What stopping early leaves out is at most half the tolerance of 8, in the codes that it is meant for.
     for (const json& way : written["sphere_study"]["ways"]) {
-        if (way["way"] == "t = 8") {
+        if (way["way"] == "t = 8" || way["way"] == "lists, t = 8") {
             EXPECT_LE(way["beside"]["srgb_codes_left"], 4);
         }
     }
-    EXPECT_EQ(written["effects"]["transparency of few"]["points"].size(), 3U);
+    EXPECT_EQ(written["effects"]["transparency of few"]["points"].size(), 9U);
+    EXPECT_EQ(written["effects"]["edges of few"]["points"].size(), 6U);
+    EXPECT_EQ(written["effects"]["detail of few"]["points"].size(), 5U);
     EXPECT_NE(bytes_of(folder / "report.html").find("<svg"), std::string::npos);
     EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 3);
 }
