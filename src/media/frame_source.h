@@ -18,7 +18,7 @@ struct FootageOptions {
     std::optional<ColorMatrix> matrix;   // overrides the file's tag
     std::optional<ColorRange> range;
     std::optional<Primaries> primaries;  // overrides the file's tags of primaries and transfer: Transfer::camera
-    bool strict = false;  // truncation and damage are errors, not warnings
+    bool strict = false;                 // truncation and damage are errors, not warnings
 };
 
 struct Rational {

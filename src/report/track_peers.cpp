@@ -58,8 +58,7 @@ std::optional<RigidTransform> solve_pnp_pose_of(const std::vector<PlacedObservat
 PeerPoses track_with_peers(const Scene& scene, const Camera& camera, const std::vector<SolvedTag>& rig,
                            PeerPixels pixels, Warnings& warnings) {
     const auto source = FrameSource::open(scene.footage.video, footage_options(scene.footage, false), warnings);
-    const PlateLight plate_light(footage_response(scene.footage),
-                                 source->info().format.transfer);
+    const PlateLight plate_light(footage_response(scene.footage), source->info().format.transfer);
     std::mutex source_mutex, result_mutex;
     bool ended = false;
     const auto next = [&]() -> std::optional<PlateFrame> {
