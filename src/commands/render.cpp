@@ -15,6 +15,7 @@
 #include "compositor/quality.h"
 #include "compositor/surface_picture.h"
 #include "core/atomic_file.h"
+#include "core/elapsed.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "core/stop.h"
@@ -188,7 +189,7 @@ void render(const RenderArguments& arguments, CommandContext& context) {
         warnings.add(fmt::format("{}: {} of {} frames have no pose and show the plate alone",
                                  source->info().path.string(), without_pose, frames.size()));
     }
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = seconds_since(start);
     const std::string text = fmt::format("{}: {} frames in {:.1f} s", request.path.string(), frames.size(), seconds);
     print_result(context,
                  {{"output", request.path.string()},

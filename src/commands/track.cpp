@@ -19,6 +19,7 @@
 #include "commands/frame_range.h"
 #include "commands/result.h"
 #include "core/atomic_file.h"
+#include "core/elapsed.h"
 #include "core/error.h"
 #include "core/output_folder.h"
 #include "report/solve_page.h"
@@ -182,7 +183,7 @@ void run_track(const TrackCall& call, CommandContext& context) {
     const Solve solve = track_footage(scene, options, context.warnings, summary);
     save_solve(output, solve);
     if (page) page->write(solve_page_html(scene, solve, details, context.warnings));
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = seconds_since(start);
 
     json result{{"solve", output.string()},
                 {"frames", summary.frames},

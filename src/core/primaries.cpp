@@ -58,7 +58,7 @@ const Primaries::Ways& Primaries::ways() const {
 
 bool Primaries::operator==(const Primaries& other) const {
     if (!given_ && !other.given_) return standard_ == other.standard_;
-    return to_rec709() == other.to_rec709();
+    return ways().to_rec709 == other.ways().to_rec709;
 }
 
 std::string Primaries::name() const {

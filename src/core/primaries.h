@@ -19,9 +19,10 @@ public:
 
     bool operator==(const Primaries& other) const;
 
-    /// Linear light of Rec.709 from linear light of these. Its rows sum to 1. Lives as long as any copy of these.
-    const Eigen::Matrix3d& to_rec709() const { return ways().to_rec709; }
-    const Eigen::Matrix3d& from_rec709() const { return ways().from_rec709; }
+    /// Linear light of Rec.709 from linear light of these, whose rows sum to 1, and its inverse. They live as long as
+    /// any copy of these.
+    friend const Eigen::Matrix3d& rec709_from(const Primaries& primaries) { return primaries.ways().to_rec709; }
+    friend const Eigen::Matrix3d& from_rec709(const Primaries& primaries) { return primaries.ways().from_rec709; }
     /// "Rec.709", "Rec.2020", "P3", or as given.
     std::string name() const;
 
@@ -36,13 +37,9 @@ private:
     std::shared_ptr<const Ways> given_;
 };
 
-/// Linear light of Rec.709 from linear light of these, and the inverse.
-inline const Eigen::Matrix3d& rec709_from(const Primaries& primaries) {
-    return primaries.to_rec709();
-}
-inline const Eigen::Matrix3d& from_rec709(const Primaries& primaries) {
-    return primaries.from_rec709();
-}
+/// Declared here as well, so that the standard ones may be named alone.
+const Eigen::Matrix3d& rec709_from(const Primaries& primaries);
+const Eigen::Matrix3d& from_rec709(const Primaries& primaries);
 
 /// Linear light of Rec.709 from ACES2065-1 (SMPTE ST 2065-1:2021, primaries AP0), whose white is adapted to D65 by
 /// Bradford's cone responses (Lam 1985), as OpenColorIO's own configs do.

@@ -3,6 +3,7 @@
 
 #include <cassert>
 
+#include "core/elapsed.h"
 #include "gl/context.h"
 #include "gl/framebuffer.h"
 #include "gl/program.h"
@@ -12,10 +13,6 @@ namespace matchlight {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double milliseconds_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 GlName<gl_detail::delete_query> make_query() {
     GLuint name = 0;

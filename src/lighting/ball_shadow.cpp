@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "lighting/latlong_grid.h"
-#include "lighting/mappings.h"
 #include "lighting/resample.h"
 
 namespace matchlight {
@@ -14,17 +13,12 @@ namespace {
 /// to several times that.
 constexpr int fine_rows = 64, coarse_rows = 16;
 
-Probe at_height(const Probe& probe, int rows) {
-    const ProbeLayout from = layout_of_size(ProbeMapping::latlong, probe.latlong.height());
-    return {resample(probe.latlong, from, layout_of_size(ProbeMapping::latlong, rows))};
-}
-
 }  // namespace
 
 BallShadow::BallShadow(const Probe& light, const RigPlane& plane, const MirrorBall& ball,
                        const Eigen::Vector3d& reflectance)
-    : ball_(ball), reflectance_(reflectance), smooth_(at_height(light, coarse_rows)) {
-    const Probe fine = at_height(light, fine_rows);
+    : ball_(ball), reflectance_(reflectance), smooth_(resized(light, coarse_rows)) {
+    const Probe fine = resized(light, fine_rows);
     const LatlongGrid grid(2 * fine_rows, fine_rows);
     for (int y = 0; y < fine_rows; ++y) {
         for (int x = 0; x < 2 * fine_rows; ++x) {

@@ -1,7 +1,6 @@
 // The parts of a probe that no photograph could hold, and their energy from surfaces that they light.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <span>
 #include <vector>

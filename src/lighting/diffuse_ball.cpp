@@ -11,7 +11,6 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "lighting/mappings.h"
 #include "lighting/mirror_ball.h"
 #include "lighting/resample.h"
 
@@ -71,12 +70,6 @@ std::vector<SeenPatch> patches_of(const BallView& view) {
     return patches;
 }
 
-/// Irradiance varies slowly: a small map gives it within a thousandth.
-Probe small(const Probe& probe) {
-    const ProbeLayout from = layout_of_size(ProbeMapping::latlong, probe.latlong.height());
-    return {resample(probe.latlong, from, layout_of_size(ProbeMapping::latlong, 64))};
-}
-
 Probe below_horizon(Probe probe) {
     for (int y = 0; y < probe.latlong.height() / 2; ++y) {
         std::fill_n(probe.latlong.pixel(0, y), 3 * static_cast<std::size_t>(probe.latlong.width()), 0.F);
@@ -94,7 +87,8 @@ Eigen::Vector3d irradiance_of(const ClippedPart& part, const Eigen::Vector3d& no
 
 std::vector<ClippedLight> solve_clipped_lights(BallProbe& probe, const DiffuseBall& ball) {
     std::vector<ClippedPart> parts = clipped_parts(probe);
-    const Probe rest = small(light_without(probe, parts));
+    // Irradiance varies slowly: a small map gives it within a thousandth.
+    const Probe rest = resized(light_without(probe, parts), 64);
     const double whole_irradiance = irradiance(rest, Eigen::Vector3d::UnitZ()).sum();
     std::erase_if(parts, [&](const ClippedPart& part) { return part.bound() < 1e-4 * whole_irradiance; });
     if (parts.empty()) return {};

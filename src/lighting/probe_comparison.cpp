@@ -33,11 +33,6 @@ double angle_between(const Vector3d& a, const Vector3d& b) {
     return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-Probe resized(const Probe& probe, int height) {
-    if (probe.latlong.height() == height) return probe;
-    return probe_from_image(probe.latlong, layout_of_size(ProbeMapping::latlong, probe.latlong.height()), height);
-}
-
 void scale(ImageF& image, const Vector3d& gain) {
     for (int y = 0; y < image.height(); ++y) {
         for (int x = 0; x < image.width(); ++x) {

@@ -209,6 +209,11 @@ Probe probe_from_image(const ImageF& image, const ProbeLayout& from, int height)
     return {resample(image, from, layout_of_size(ProbeMapping::latlong, height))};
 }
 
+Probe resized(const Probe& probe, int height) {
+    if (probe.latlong.height() == height) return probe;
+    return probe_from_image(probe.latlong, layout_of_size(ProbeMapping::latlong, probe.latlong.height()), height);
+}
+
 int latlong_height_for(const ProbeLayout& layout) {
     // Equal pixels a radian in the middle of the image, where the layout is finest for its solid angle.
     switch (layout.mapping) {

@@ -24,6 +24,9 @@ ImageF resample(const ImageF& source, const ProbeLayout& from, const ProbeLayout
 ImageF image_from_probe(const Probe& probe, const ProbeLayout& to);
 Probe probe_from_image(const ImageF& image, const ProbeLayout& from, int height);
 
+/// A probe as a lat-long map of so many rows.
+Probe resized(const Probe& probe, int height);
+
 /// Height of the lat-long map that holds what an image of this layout can show.
 int latlong_height_for(const ProbeLayout& layout);
 

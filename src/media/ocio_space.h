@@ -10,7 +10,7 @@
 
 namespace matchlight {
 
-/// light of Rec.709 = primaries.to_rec709() · curve(code), channel by channel: what cameras' log and gamma spaces are.
+/// light of Rec.709 = rec709_from(primaries) · curve(code), channel by channel: what cameras' log and gamma spaces are.
 /// Grey codes make grey light, and the code 1 in every channel makes the light 1: exposure is relative, as it is with
 /// any response.
 struct OcioSpace {

@@ -8,6 +8,7 @@
 
 #include "compositor/quality.h"
 #include "core/atomic_file.h"
+#include "core/elapsed.h"
 #include "core/error.h"
 #include "core/stop.h"
 #include "core/version.h"
@@ -19,10 +20,6 @@ namespace {
 
 /// A hand that stands still for so long has come to rest.
 constexpr double rest_s = 0.3;
-
-double seconds_since(PlaybackClock::Clock::time_point start) {
-    return std::chrono::duration<double>(PlaybackClock::Clock::now() - start).count();
-}
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/elapsed.h"
 #include "core/error.h"
 #include "preview/free_view.h"
 #include "preview/texture_picture.h"
@@ -17,10 +18,6 @@ namespace matchlight {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Throws InputError where the truth has another size.
 void add_difference(ShotPicture& picture) {

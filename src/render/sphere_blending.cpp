@@ -4,26 +4,13 @@
 #include <cassert>
 #include <cmath>
 
+#include "render/blending_state.h"
+
 namespace matchlight {
 
 namespace {
 
 constexpr GLuint sums_unit = 25;  // in place of what is seen (surface_spheres.cpp)
-
-void set_sum_state() {
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_GREATER);
-    glDepthMask(GL_FALSE);
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE);
-    glDisable(GL_CULL_FACE);
-}
-
-void leave_state() {
-    glDepthMask(GL_TRUE);
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_BLEND);
-}
 
 const char* define_of(TransparencyMethod method) {
     switch (method) {
@@ -66,14 +53,14 @@ void SphereBlending::blend(const Blended& blended) {
         gathered_.bind(region);
         gathered_.clear_color(0, 0, 0, 0, 0);
         gathered_.clear_color(1, 0, 0, 0, 0);
-        set_sum_state();
+        begin_blending_before_depth(GL_ONE, GL_ONE);
         blended.draw({{"GATHER_MOMENTS", "1"}}, [&](Program& program) { program.set("depth_logs", depth_logs); });
     }
     sums_.bind(region);
     sums_.clear_color(0, 0, 0, 0, 0);
     const float nothing = weighs ? 1 : 0;
     sums_.clear_color(1, nothing, nothing, nothing, nothing);
-    set_sum_state();
+    begin_blending_before_depth(GL_ONE, GL_ONE);
     if (weighs) glBlendFunci(1, GL_ZERO, GL_ONE_MINUS_SRC_COLOR);
     constexpr double farthest_weighed = 500;  // of the weights' formula
     blended.draw({{define_of(blended.method), "1"}}, [&](Program& program) {
@@ -83,7 +70,7 @@ void SphereBlending::blend(const Blended& blended) {
         program.bind_texture("gathered_moments", sums_unit, moments_);
         program.bind_texture("gathered_absorbance", sums_unit + 1, absorbance_);
     });
-    leave_state();
+    end_blending_before_depth();
 
     Program& as_layer = shaders_.full_screen("spheres/blended.frag", {{define_of(blended.method), "1"}});
     result_.bind(region);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "render/blending_state.h"
+
 namespace matchlight {
 
 namespace {
@@ -29,21 +31,6 @@ private:
     GlName<gl_detail::delete_query> name_;
 };
 
-void set_under_state() {
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_GREATER);
-    glDepthMask(GL_FALSE);
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE_MINUS_DST_ALPHA, GL_ONE);  // premultiplied, below what is there
-    glDisable(GL_CULL_FACE);
-}
-
-void leave_layers_state() {
-    glDepthMask(GL_TRUE);
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_BLEND);
-}
-
 }  // namespace
 
 void SpherePeeling::keep_first_depth(const SeenSpheres& layer, const Region& rows) {
@@ -62,11 +49,11 @@ int SpherePeeling::peel_rows(const Peeled& peeled, int first_row, int rows, cons
         target_.bind(region);
         glEnable(GL_SCISSOR_TEST);
         glScissor(0, first_row, peeled.width, rows);
-        set_under_state();
+        begin_blending_before_depth(GL_ONE_MINUS_DST_ALPHA, GL_ONE);  // premultiplied, below what is there
         if (looks) query.begin();
         peeled.light(layer);
         if (looks) AnySamples::end();
-        leave_layers_state();
+        end_blending_before_depth();
         glDisable(GL_SCISSOR_TEST);
         ++layers;
         if (looks && !query.any()) break;

@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "gl/context.h"
+#include "render/blending_state.h"
 #include "render/surface_object.h"
 #include "render/surface_targets.h"
 #include "render/virtual_layer.h"
@@ -59,9 +60,7 @@ void set_focus(Program& program, const SurfaceLens& lens, std::size_t object) {
 }
 
 void leave_state() {
-    glDepthMask(GL_TRUE);
-    glDisable(GL_DEPTH_TEST);
-    glDisable(GL_BLEND);
+    end_blending_before_depth();
     glDisable(GL_CULL_FACE);
     glFrontFace(GL_CCW);
 }

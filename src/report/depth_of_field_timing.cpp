@@ -9,6 +9,7 @@
 #include "compositor/focus.h"
 #include "compositor/lens_map.h"
 #include "compositor/quality.h"
+#include "core/elapsed.h"
 #include "core/error.h"
 #include "core/stop.h"
 #include "report/scene_stage.h"
@@ -37,7 +38,7 @@ double frame_ms(Compositor& compositor, const EffectSettings& effects, const Pla
     compositor.set_effects(effects);
     const auto start = std::chrono::steady_clock::now();
     compositor.composite(plate);  // ends with reading the picture back
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return milliseconds_since(start);
 }
 
 DepthOfFieldStudyRow paired(Compositor& compositor, const EffectSettings& without, const EffectSettings& with,

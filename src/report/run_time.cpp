@@ -6,6 +6,7 @@
 #include <chrono>
 #include <numeric>
 
+#include "core/elapsed.h"
 #include "core/error.h"
 #include "core/stop.h"
 #include "gl/timer.h"
@@ -24,7 +25,7 @@ double timed_ms(const std::function<void()>& work, Stopwatch stopwatch) {
     const auto start = std::chrono::steady_clock::now();
     work();
     glFinish();
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return milliseconds_since(start);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/elapsed.h"
 #include "media/frame_source.h"
 #include "report/tag_agreement.h"
 #include "report/track_peers.h"
@@ -53,7 +54,7 @@ template <class Work>
 double timed_ms(const Work& work) {
     const auto start = std::chrono::steady_clock::now();
     work();
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return milliseconds_since(start);
 }
 
 std::int64_t posed_in(const std::vector<SolvedFrame>& frames) {
