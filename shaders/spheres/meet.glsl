@@ -8,16 +8,19 @@ flat in uint sphere_id;
 #ifdef PARALLEL
 uniform vec3 depth_from_model;  // of clip space
 
-// The depth, larger is nearer, or less than 0 where the ray passes by.
-float meet_depth() {
+// Of the near side and the far side, larger is nearer, or less than 0 where the ray passes by.
+vec2 meet_depths() {
     vec2 aside = picture_ndc() - seen_sphere.xy;
     vec3 from_centre = ray_from_ndc[0] * aside.x + ray_from_ndc[1] * aside.y;
     float left2 = seen_sphere.w * seen_sphere.w - dot(from_centre, from_centre);
-    if (!(left2 >= 0.0)) return -1.0;
+    if (!(left2 >= 0.0)) return vec2(-1.0);
     float half_chord = sqrt(left2);
-    float depth = seen_sphere.z + dot(depth_from_model, from_centre) - dot(depth_from_model, ray_from_ndc[2]) * half_chord;
-    return depth;
+    float middle = seen_sphere.z + dot(depth_from_model, from_centre);
+    float half_depth = dot(depth_from_model, ray_from_ndc[2]) * half_chord;
+    return vec2(middle - half_depth, middle + half_depth);
 }
+
+float meet_depth() { return meet_depths().x; }
 #else
 // The same, as the depth buffer has it.
 float meet_depth() {

@@ -23,6 +23,9 @@
 
 #ifdef SPHERES
 #include "effects/object_shadow/object_shadow.glsl"
+#ifdef HALOS
+#include "spheres/halo.glsl"
+#endif
 uniform bool objects_shade;
 #else
 in vec3 vertex_visibility;  // of the light over the hemisphere, past other objects
@@ -46,6 +49,9 @@ uniform vec3 classic_specular = vec3(0.0);  // Ks
 layout(location = 0) out vec4 color;
 #ifdef BLENDED
 #include "spheres/blended.glsl"
+#endif
+#ifdef LISTED
+#include "surface/listed.glsl"
 #endif
 #ifdef LENS
 layout(location = 1) out vec4 focus_share;  // r: near_m / z that has the circle of confusion of what is seen, times a
@@ -237,6 +243,12 @@ void main() {
     vec4 base = base_color_at(material_uv, vertex_color);
     if (base.a < alpha_cutoff) discard;
     float alpha = alpha_blends ? clamp(base.a, 0.0, 1.0) : 1.0;
+#ifdef LISTED
+    if (counts_only) {
+        list(vec4(0.0));
+        return;
+    }
+#endif
 #ifdef GATHER_MOMENTS
     color = blended(vec3(0.0), alpha);
     return;
@@ -364,5 +376,11 @@ void main() {
 #else
     color = vec4(min(radiance, vec3(largest_half)) * alpha, alpha);
 #endif
+#endif
+#if defined(SPHERES) && defined(HALOS)
+    color.rgb *= light_past_halos();
+#endif
+#ifdef LISTED
+    list(color);
 #endif
 }

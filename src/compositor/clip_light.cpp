@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "lighting/octahedral_directions.h"
 #include "lighting/probe.h"
 #include "render/effects/bounce_light.h"
 #include "scene/object_motion.h"
@@ -139,6 +140,7 @@ ShadowCasters ClipLight::real_casters() {
 void ClipLight::describe_surface() {
     shading_.shows_surface = surface_picture_.present();
     shading_.traces_rays = rays_ != nullptr && !rays_->empty();
+    shading_.pairs_maps = quality_.object_shadow.octahedron_divisions.has_value();
     shading_.bind = [this](Program& program) {
         bind_shading(program);
         if (!shading_.traces_rays) return;
@@ -261,7 +263,7 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
         contact_input.push_back({map});
         inputs.push_back({map});
     }
-    if (quality_.object_shadow.directions == 0) return graph.leave_out(between_pass, "this quality level has none");
+    if (!quality_.object_shadow.any()) return graph.leave_out(between_pass, "this quality level has none");
     const bool anything_shades = anything_casts || !surfaces_.real_caster_bounds_m().isEmpty();
     if (!anything_shades && graph.leaves_out()) return graph.leave_out(between_pass, "no object casts");
     const GraphTexture baked = graph.import(nullptr, {.format = GL_NONE, .region = {}});
@@ -282,7 +284,10 @@ const SurfaceLight& ClipLight::surface_light(int directions) {
 }
 
 const std::vector<DirectionalSample>& ClipLight::object_light() {
-    if (!object_light_) object_light_ = sample_directions(probe_, quality_.object_shadow.directions, -1, false);
+    if (object_light_) return *object_light_;
+    const std::optional<int>& divisions = quality_.object_shadow.octahedron_divisions;
+    object_light_ = divisions ? sample_octahedrally(probe_, *divisions)
+                              : sample_directions(probe_, quality_.object_shadow.directions, -1, false);
     return *object_light_;
 }
 
@@ -306,7 +311,8 @@ void ClipLight::bake_object_shadow() {
     if (samples.empty() || (surfaces_.shadow_caster_bounds_m().isEmpty() && !reals_cast)) return;
     object_shadow_.emplace(shaders_, casters(), samples, quality_.object_shadow);
     if (reals_cast) real_shadow_.emplace(shaders_, real_casters(), samples, quality_.object_shadow);
-    Program& bake = shaders_.compute("effects/object_shadow/bake.comp");
+    Program& bake = shaders_.compute("effects/object_shadow/bake.comp",
+                                     shading_.pairs_maps ? ShaderDefines{{"PAIRED_MAPS", "1"}} : ShaderDefines{});
     bake.use();
     bind_shading(bake);
     surfaces_.bake_visibility(bake);

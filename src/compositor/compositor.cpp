@@ -98,7 +98,7 @@ ClipTime Compositor::Impl::start() const {
 
 ObjectPreparation Compositor::Impl::object_preparation(const Scene& of_scene) const {
     const bool shade_each_other =
-        quality.object_shadow.directions > 0 && std::ranges::any_of(of_scene.objects, &ObjectSettings::casts_shadow);
+        quality.object_shadow.any() && std::ranges::any_of(of_scene.objects, &ObjectSettings::casts_shadow);
     const bool traced = quality.reflection.level == ReflectionLevel::rays;
     return {.fine_meshes = shade_each_other || traced, .traced = traced};
 }

@@ -45,6 +45,7 @@ FramePasses::PlacedView FramePasses::place_view(Eigen::AlignedBox2d bounds, Virt
     // Depth of field reads the depth of single pixels.
     view.samples = plan_.layer_effects.blurs_focus() ? 1 : resources_.quality.samples;
     view.sphere_detail_px = resources_.quality.sphere_detail_px;
+    view.halo_step_px = resources_.quality.halo_step_px;
     view.sphere_edge_places = resources_.quality.sphere_edge_places;
     placed.pinhole = {.fx = layer.fx,
                       .fy = layer.fy,

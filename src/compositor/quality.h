@@ -24,6 +24,7 @@ struct Quality {
     int supersampling = 2;        // layer pixels along each side of a plate pixel, each with `samples` samples
     int samples = 1;              // multisampling; with small triangles a sample costs more than a pixel
     double sphere_detail_px = 0;  // smaller spheres are drawn fewer and larger (render/sphere_culling.h)
+    int halo_step_px = 1;         // layer pixels between the places that halos of spheres look at
     int sphere_edge_places = 4;   // along a layer pixel's side where spheres have edges (render/sphere_edges.h)
     int mirror_face_px = 512;     // the reflection cube's sharpest level
     ContactShadowSettings shadow;
@@ -44,6 +45,7 @@ inline Quality quality_of(QualityLevel level) {
             return {1,
                     1,
                     0.5,
+                    3,
                     0,
                     128,
                     {.directions = 16, .resolution = 256},
@@ -59,6 +61,7 @@ inline Quality quality_of(QualityLevel level) {
             return {1,
                     1,
                     0.5,
+                    2,
                     4,
                     256,
                     {.directions = 32, .resolution = 512},
@@ -75,6 +78,7 @@ inline Quality quality_of(QualityLevel level) {
                 4,
                 4,
                 0,
+                1,
                 4,
                 1024,
                 {.directions = 1024, .resolution = 2048, .lost_share = 0.0005},
@@ -89,7 +93,7 @@ inline Quality quality_of(QualityLevel level) {
         case QualityLevel::final_:
             break;
     }
-    return {2, 1, 0, 4, 512, {.directions = 128, .resolution = 1024}, {}};
+    return {2, 1, 0, 1, 4, 512, {.directions = 128, .resolution = 1024}, {}};
 }
 
 /// The same with reflections that meet no object, and without light that bounces.
@@ -102,6 +106,8 @@ inline Quality without_rays(Quality quality) {
 /// The same with what the scene says of rays and spheres in place of the level.
 inline Quality with_choices_of(const Scene& scene, Quality quality) {
     if (scene.sphere_edges) quality.sphere_edge_places = *scene.sphere_edges;
+    if (scene.sphere_detail_px) quality.sphere_detail_px = *scene.sphere_detail_px;
+    if (scene.occlusion_divisions) quality.object_shadow.octahedron_divisions = scene.occlusion_divisions;
     if (scene.reflections) quality.reflection.level = *scene.reflections;
     if (scene.bounce && *scene.bounce != (quality.bounce.rays > 0))
         quality.bounce = *scene.bounce ? BounceLightSettings{} : BounceLightSettings{.rays = 0};

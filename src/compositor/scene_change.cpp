@@ -50,10 +50,11 @@ bool loads_otherwise(const Scene& before, const Scene& after) {
     const bool of_clip = before.path != after.path || before.footage != after.footage ||
                          before.camera != after.camera || before.tags != after.tags ||
                          before.probe.has_value() != after.probe.has_value() || probe_file(before) != probe_file(after);
-    const bool of_quality = before.quality != after.quality || before.reflections != after.reflections ||
-                            before.bounce != after.bounce || before.sphere_edges != after.sphere_edges ||
-                            before.budget_ms != after.budget_ms || before.transparency != after.transparency ||
-                            before.transparency_tolerance != after.transparency_tolerance;
+    const bool of_quality =
+        before.quality != after.quality || before.reflections != after.reflections || before.bounce != after.bounce ||
+        before.sphere_edges != after.sphere_edges || before.occlusion_divisions != after.occlusion_divisions ||
+        before.sphere_detail_px != after.sphere_detail_px || before.budget_ms != after.budget_ms ||
+        before.transparency != after.transparency || before.transparency_tolerance != after.transparency_tolerance;
     return of_clip || of_quality || !std::ranges::equal(before.objects, after.objects, {}, loaded_part, loaded_part);
 }
 

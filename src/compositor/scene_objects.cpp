@@ -123,7 +123,9 @@ void SceneObjects::add_spheres(const SurfaceObject& added, const ObjectSettings&
         throw InputError(scene, fmt::format("object '{}' is a set of spheres, which takes no texture", object.name),
                          "colour it by a column: color_column of [object.sphere]");
     }
-    surfaces_.add_spheres(added, load_sphere_set(object.spheres, object.sphere, warnings));
+    SurfaceObject with_halo = added;
+    with_halo.halo = object.sphere.halo;
+    surfaces_.add_spheres(with_halo, load_sphere_set(object.spheres, object.sphere, warnings));
 }
 
 Eigen::Matrix4d SceneObjects::world_from_model(std::size_t object, const ClipTime& time) const {

@@ -12,12 +12,15 @@ namespace {
 constexpr GLuint picture_unit = 3;
 /// Culling binds others of its own between draws.
 constexpr GLuint counts_image = 2, starts_image = 3;
-constexpr GLuint total_buffer = 2, entries_buffer = 3;
+constexpr GLuint total_buffer = 2, entries_buffer = 3, light_buffer = 5;
 
 struct Entry {
     std::uint32_t id = 0;
     float depth_share = 0;
 };
+
+/// Of what is no sphere.
+using HalfLight = std::array<std::uint16_t, 4>;
 
 }  // namespace
 
@@ -52,7 +55,7 @@ bool SphereLists::gather(const Gathered& gathered) {
     glClearTexImage(counts_.name(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
     total_.clear();
 
-    const auto draw = [&](const char* define) {
+    const auto draw = [&](bool counts) {
         opaque_.bind({0, 0, gathered.width, gathered.height});
         glEnable(GL_SCISSOR_TEST);
         glScissor(rows_.x, rows_.y, rows_.width, rows_.height);
@@ -67,10 +70,11 @@ bool SphereLists::gather(const Gathered& gathered) {
                                  .width = gathered.width,
                                  .height = gathered.height,
                                  .fragment = "spheres/gather.frag",
-                                 .defines = {{define, "1"}},
+                                 .defines = {{counts ? "COUNT" : "KEEP", "1"}},
                                  .set_up = {},
                                  .depth = &gathered.opaque_depth,
                                  .peeled = nullptr});
+        if (gathered.draw_others) gathered.draw_others(counts);
         glDepthMask(GL_TRUE);
         glDisable(GL_DEPTH_TEST);
         glDisable(GL_SCISSOR_TEST);
@@ -90,7 +94,7 @@ bool SphereLists::gather(const Gathered& gathered) {
         glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT |
                         GL_BUFFER_UPDATE_BARRIER_BIT);
     };
-    draw("COUNT");
+    draw(true);
     run("spheres/lists_place.comp");
     std::array<std::uint32_t, 2> total{};
     total_.read(std::span<std::uint32_t>(total));
@@ -99,8 +103,14 @@ bool SphereLists::gather(const Gathered& gathered) {
         capacity_ = std::min(most_entries_, std::max(total[0] + total[0] / 4, 1U << 16));
         entries_ = Buffer(std::size_t{capacity_} * sizeof(Entry));
     }
+    const bool has_others = static_cast<bool>(gathered.draw_others);
+    if (has_others && (!light_.name() || light_capacity_ < total[0])) {
+        light_ = Buffer(std::size_t{capacity_} * sizeof(HalfLight));
+        light_capacity_ = capacity_;
+    }
     entries_.bind(GL_SHADER_STORAGE_BUFFER, entries_buffer);
-    draw("KEEP");
+    if (has_others) light_.bind(GL_SHADER_STORAGE_BUFFER, light_buffer);
+    draw(false);
     entries_.bind(GL_SHADER_STORAGE_BUFFER, entries_buffer);
     run("spheres/lists_heap.comp");
     return true;
@@ -129,6 +139,15 @@ SeenSpheres SphereLists::next(const Texture2D* covered, double enough) {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_SCISSOR_TEST);
     return {&id_, &depth_};
+}
+
+void SphereLists::draw_others(const SeenSpheres& layer) {
+    Program& program = shaders_.full_screen("surface/listed_layer.frag");
+    program.use();
+    program.bind_texture("taken", picture_unit, *layer.id);
+    program.bind_texture("taken_depth", picture_unit + 1, *layer.depth_share);
+    light_.bind(GL_SHADER_STORAGE_BUFFER, light_buffer);
+    triangle_.draw();
 }
 
 }  // namespace matchlight

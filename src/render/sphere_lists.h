@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "gl/framebuffer.h"
@@ -26,6 +27,9 @@ public:
         int width = 0, height = 0;
         int first_row = 0, rows = 0;    // of the picture, for which they are gathered
         const Texture2D& opaque_depth;  // what lies behind is hidden
+        /// Draws what is listed beside the spheres, with shaders that include surface/listed.glsl: counted first, then
+        /// kept with its light. Empty: nothing is.
+        std::function<void(bool counts)> draw_others = {};
     };
     /// False where they are more than a buffer can hold: fewer rows then. Waits for the GPU once.
     bool gather(const Gathered& gathered);
@@ -36,6 +40,8 @@ public:
     /// Of the rows that were gathered, the next sphere of each pixel that `covered` (its alpha) covers less than
     /// `enough`; null: of each pixel. Each call takes one away.
     SeenSpheres next(const Texture2D* covered, double enough);
+    /// Draws the light of those that `layer` took which are no spheres, premultiplied, with the state that is set.
+    void draw_others(const SeenSpheres& layer);
 
 private:
     void fit(int width, int height);
@@ -43,7 +49,8 @@ private:
     ShaderLibrary& shaders_;
     Texture2D counts_, starts_;  // of each pixel's spheres; R32UI
     Buffer total_, entries_;
-    std::uint32_t capacity_ = 0, most_entries_ = 0;
+    Buffer light_;  // of entries that are no spheres
+    std::uint32_t capacity_ = 0, light_capacity_ = 0, most_entries_ = 0;
     Texture2D id_, depth_;
     Framebuffer target_;
     Framebuffer opaque_;

@@ -8,8 +8,10 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "gl/framebuffer.h"
+#include "render/sphere_dual_peeling.h"
 #include "render/sphere_lists.h"
 #include "render/sphere_sets.h"
 #include "scene/scene_file.h"
@@ -18,7 +20,7 @@ namespace matchlight {
 
 class SpherePeeling {
 public:
-    explicit SpherePeeling(ShaderLibrary& shaders) : lists_(shaders) {}
+    explicit SpherePeeling(ShaderLibrary& shaders) : shaders_(shaders), lists_(shaders), dual_(shaders) {}
 
     struct Peeled {
         SphereSets& sets;
@@ -27,10 +29,12 @@ public:
         const Texture2D& opaque_depth;  // what lies behind is hidden; of a size that holds the picture
         double residual = 0;            // transmittance
         int most_layers = 0;
-        /// Lists or peeling. Lists that no buffer holds are made for fewer rows at a time.
+        /// Lists or a way of peeling. Lists that no buffer holds are made for fewer rows at a time.
         TransparencyMethod method = TransparencyMethod::lists;
         /// Draws the layer's light, premultiplied, with its depth, into what is bound.
         std::function<void(const SeenSpheres&)> light;
+        /// SphereLists::Gathered; of method `lists` alone.
+        std::function<void(bool counts)> draw_others = {};
     };
     /// Returns the number of layers.
     int peel(const Peeled& peeled);
@@ -40,17 +44,26 @@ public:
     /// near_m / z of the first layer, 0 where there is none.
     const Texture2D& first_depth_share() const { return first_depth_; }
     SphereLists& lists() { return lists_; }
+    /// That no list holds: they lack what `draw_others` draws.
+    const std::vector<Region>& unlisted_rows() const { return unlisted_rows_; }
 
 private:
     /// The rows' next layer; each call one behind the other.
     using NextLayer = std::function<SeenSpheres(int layer)>;
+    void fit(const Texture2D& opaque_depth);
+    int peel_both_ends(const Peeled& peeled);
     int peel_rows(const Peeled& peeled, int first_row, int rows, const NextLayer& next_layer);
     void keep_first_depth(const SeenSpheres& layer, const Region& rows);
 
+    ShaderLibrary& shaders_;
     Texture2D light_, first_depth_;
+    Texture2D light_behind_;  // from the back
     SphereLists lists_;
+    SphereDualPeeling dual_;
+    std::vector<Region> unlisted_rows_;
     int listed_rows_ = 0;  // that lists held last
-    Framebuffer target_;
+    Framebuffer target_, target_behind_;
+    FullScreenTriangle triangle_;
     GLuint target_depth_ = 0;  // what the target holds besides
 };
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -27,7 +26,8 @@ void set_depth_state() {
 }  // namespace
 
 std::size_t SphereSets::add(const SphereSet& set) {
-    if (set.size() > std::numeric_limits<std::uint32_t>::max() - next_id_) {
+    constexpr std::uint32_t no_sphere = 0x80000000;  // and above: other numbers (shaders/surface/listed.glsl)
+    if (set.size() >= no_sphere - next_id_) {
         throw InputError(set.name, fmt::format("{} spheres are more than can be numbered beside {} others", set.size(),
                                                next_id_ - 1));
     }

@@ -73,6 +73,7 @@ struct SurfaceView {
     bool parts_coverage = false;
     const RealDepth* real_depth = nullptr;  // null: not known
     double sphere_detail_px = 0;            // SphereDetail::radius_px of opaque spheres
+    int halo_step_px = 1;                   // between the places that halos look at
     int sphere_edge_places = 0;  // along a pixel's side (render/sphere_edges.h); less than 2: pixels' middles tell
 };
 
@@ -123,6 +124,7 @@ struct SurfaceObject {
     int id = 1;  // in the object-id layer; 0 is kept for the background
     bool casts_shadow = true;
     bool is_holdout = false;  // a real thing's shape
+    SphereHalo halo = {};     // of a set of opaque spheres
 };
 
 /// Sets what other passes bring into the shading of surfaces: the uniforms of common/visibility.glsl. Texture units
@@ -131,6 +133,7 @@ struct SurfaceShading {
     std::function<void(Program&)> bind;
     bool shows_surface = false;  // reflections show the surface's picture: also those of common/near_light.glsl
     bool traces_rays = false;    // reflections meet objects: also those of common/object_light.glsl
+    bool pairs_maps = false;     // that shade spheres: opposite directions share one
     static constexpr GLuint first_free_unit = 8;
     /// Of the maps that shade spheres, which keep no light at vertices: the uniforms of
     /// effects/object_shadow/object_shadow.glsl, where `objects_shade` is set; two units.
@@ -181,6 +184,7 @@ public:
     std::vector<float> reflectances() const;
     void set_reflection(std::size_t index, ReflectionForm form);
     void set_casts_shadow(std::size_t index, bool casts);
+    void set_halo(std::size_t index, const SphereHalo& halo);
     const Eigen::Matrix4d& world_from_model(std::size_t index) const;
     std::size_t object_count() const;
     bool any_reflects(ReflectionForm form) const;
@@ -259,6 +263,7 @@ private:
     enum class Drawn {
         light,
         opaque_light,
+        listed_light,
         transparent_light,
         hidden_depth,
         hidden_light,
@@ -281,8 +286,8 @@ private:
     Programs programs(const std::string& fragment, ShaderDefines defines = {},
                       const std::function<void(Program&)>& set_up = {}) const;
     /// The programs for light, with what they read set.
-    Programs light_programs(const Environment& environment, const SurfaceView& view,
-                            const SurfaceShading& shading) const;
+    Programs light_programs(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading,
+                            const ShaderDefines& more = {}) const;
     static ShaderDefines light_defines(const SurfaceView& view, const SurfaceShading& shading);
     static void set_light(Program& program, const Environment& environment, const SurfaceView& view,
                           const SurfaceShading& shading);
@@ -297,9 +302,16 @@ private:
     std::vector<PlacedSpheres> placed_spheres(const SurfaceView& view,
                                               const std::function<bool(const Object&)>& of) const;
     bool any_spheres_blend() const;
-    /// Puts spheres that let light through and are before the depth of `target` over it.
-    void draw_transparent_spheres(const Environment& environment, const SurfaceView& view,
-                                  const SurfaceShading& shading, const Framebuffer& target);
+    bool any_halos() const;
+    /// Whether blended meshes are put together with spheres, or with each other where their boxes meet, in the order of
+    /// each pixel, and not in that of their middles.
+    bool lists_meshes(const SurfaceView& view) const;
+    /// For SphereLists; empty where they are not.
+    std::function<void(bool counts)> listing(const Environment& environment, const SurfaceView& view,
+                                             const SurfaceShading& shading) const;
+    /// Puts spheres that let light through, and meshes that are listed, before the depth of `target` over it.
+    void draw_in_order(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading,
+                       const Framebuffer& target);
     void draw_seen_spheres(Program& program, const SurfaceView& view, const PlaceMore& place_more) const;
     /// What draws one set of spheres needs to know of it, but for where it is seen.
     void place_spheres(Program& program, const SurfaceView& view, const Object& object,

@@ -151,7 +151,8 @@ void SurfaceRenderer::draw_objects(const Programs& programs, const SurfaceView& 
         return leave_state();
     }
     const bool is_geometry = drawn == Drawn::layers || drawn == Drawn::ways;
-    const bool shows_blended = drawn == Drawn::light || drawn == Drawn::transparent_light || is_geometry;
+    const bool of_blended = drawn == Drawn::transparent_light || drawn == Drawn::listed_light;
+    const bool shows_blended = drawn == Drawn::light || of_blended || is_geometry;
     set_opaque_state();
     if (drawn == Drawn::hidden_light) {
         glDepthFunc(GL_EQUAL);
@@ -167,7 +168,7 @@ void SurfaceRenderer::draw_objects(const Programs& programs, const SurfaceView& 
         const Object* placed = nullptr;
         for (const Mesh& mesh : object.meshes) {
             const bool blends = object.material_of(mesh).blends();
-            if (blends ? !shows_blended : drawn == Drawn::transparent_light) continue;
+            if (blends ? !shows_blended : of_blended) continue;
             if (blends && !is_geometry) {
                 const double distance_m = (object.bounds_of(mesh).center() - view.eye_world_m).norm();
                 blended.push_back({&object, &mesh, distance_m});
@@ -209,6 +210,7 @@ SurfaceRenderer::Programs SurfaceRenderer::programs(const std::string& fragment,
     if (set_up) set_up(meshes);
     if (!any_spheres()) return {meshes};
     defines["SPHERES"] = "1";
+    if (any_halos()) defines["HALOS"] = "1";
     Program& spheres = shaders_.full_screen(fragment, defines);
     spheres.use();
     if (set_up) set_up(spheres);
@@ -219,6 +221,7 @@ ShaderDefines SurfaceRenderer::light_defines(const SurfaceView& view, const Surf
     ShaderDefines defines = view_defines(view);
     if (shading.shows_surface) defines["PLANE"] = "1";
     if (shading.traces_rays) defines["RAYS"] = "1";
+    if (shading.pairs_maps) defines["PAIRED_MAPS"] = "1";
     return defines;
 }
 
@@ -240,11 +243,13 @@ void SurfaceRenderer::set_light(Program& program, const Environment& environment
 }
 
 SurfaceRenderer::Programs SurfaceRenderer::light_programs(const Environment& environment, const SurfaceView& view,
-                                                          const SurfaceShading& shading) const {
+                                                          const SurfaceShading& shading,
+                                                          const ShaderDefines& more) const {
     // Meshes without baked visibility see all the light.
     glVertexAttrib4f(5, 1, 1, 1, 1);
     const std::string fragment = "surface/surface.frag";
-    const ShaderDefines defines = light_defines(view, shading);
+    ShaderDefines defines = light_defines(view, shading);
+    defines.insert(more.begin(), more.end());
     const auto set_up = [&environment, &view, &shading](Program& program) {
         set_light(program, environment, view, shading);
     };
@@ -270,7 +275,8 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
                                      const SurfaceShading& shading) {
     assert(view.width > 0 && view.height > 0 && view.samples > 0);
     // Layers are peeled off one depth a pixel.
-    const int most_samples = any_spheres_blend() ? 1 : current_gl_context()->info().max_samples;
+    const bool lists = lists_meshes(view);
+    const int most_samples = any_spheres_blend() || lists ? 1 : current_gl_context()->info().max_samples;
     const int samples = std::min(view.samples, most_samples);
     targets_->fit_color(view, samples);
     assert(!view.lens || samples == 1);
@@ -298,9 +304,10 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
             target->bind(region);
         };
     }
-    draw_objects(programs, view, view.lens && view.lens->parts_transparent ? Drawn::opaque_light : Drawn::light);
+    const bool leaves_blended = lists || (view.lens && view.lens->parts_transparent);
+    draw_objects(programs, view, leaves_blended ? Drawn::opaque_light : Drawn::light);
     if (samples == 1) soften_sphere_edges(view, targets_->depth);
-    draw_transparent_spheres(environment, view, shading, *target);
+    draw_in_order(environment, view, shading, *target);
     if (samples > 1) {
         target->resolve_color_to(targets_->resolved, region);
         if (view.parts_coverage) target->resolve_color_to(targets_->covered.target, region, 1, 1);

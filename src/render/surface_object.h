@@ -29,6 +29,7 @@ struct SurfaceRenderer::Object {
     std::vector<SurfaceMaterial> materials;
     std::vector<Mesh> meshes;
     std::optional<std::size_t> spheres = {};  // a set of them instead
+    SphereHalo halo = {};
 
     bool is_spheres() const { return spheres.has_value(); }
     bool has_blending_spheres() const { return is_spheres() && materials.front().blends(); }

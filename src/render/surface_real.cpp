@@ -76,7 +76,9 @@ ShaderDefines SurfaceRenderer::view_defines(const SurfaceView& view) {
 void SurfaceRenderer::draw_real(Program& program, const SurfaceView& view, Drawn drawn,
                                 const PlaceMore& place_more) const {
     // Transparent meshes come before what draw() left in the depth buffer.
-    if (drawn == Drawn::transparent_light || (!any_holdout() && view.real_depth == nullptr)) return;
+    if (drawn == Drawn::transparent_light || drawn == Drawn::listed_light ||
+        (!any_holdout() && view.real_depth == nullptr))
+        return;
     const bool is_light = drawn == Drawn::light || drawn == Drawn::opaque_light || drawn == Drawn::hidden_light;
     // Of how real things move it is known what they hide when; else, mostly, only their depth counts.
     if (drawn == Drawn::layers) glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);

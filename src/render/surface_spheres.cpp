@@ -1,7 +1,9 @@
 // Sets of spheres among the objects: seen first, then lit once a pixel by the shaders that light meshes.
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "render/surface_object.h"
@@ -42,7 +44,18 @@ std::size_t SurfaceRenderer::add_spheres(const SurfaceObject& object, const Sphe
     without_mesh.model = &model;
     const std::size_t index = add_object(without_mesh);
     if (!set.spheres.empty()) objects_[index].spheres = spheres_->add(set);
+    objects_[index].halo = object.halo;
     return index;
+}
+
+void SurfaceRenderer::set_halo(std::size_t index, const SphereHalo& halo) {
+    objects_.at(index).halo = halo;
+}
+
+bool SurfaceRenderer::any_halos() const {
+    return std::ranges::any_of(objects_, [](const Object& object) {
+        return object.is_spheres() && !object.has_blending_spheres() && object.halo.strength > 0;
+    });
 }
 
 bool SurfaceRenderer::any_spheres() const {
@@ -92,7 +105,8 @@ void SurfaceRenderer::set_peeling(double residual, int most_layers, Transparency
 SurfaceRenderer::SphereLayer SurfaceRenderer::peel_spheres(const Environment& environment, const SurfaceView& view,
                                                            const SurfaceShading& shading) {
     const auto placed = placed_spheres(view, &Object::has_blending_spheres);
-    Program& light = *light_programs(environment, view, shading).spheres;
+    Program* const light = light_programs(environment, view, shading).spheres;
+    if (!spheres_) spheres_ = std::make_unique<SphereSets>(shaders_);  // none
     peeled_layers_ = peeling_.peel({.sets = *spheres_,
                                     .placed = placed,
                                     .width = view.width,
@@ -101,10 +115,13 @@ SurfaceRenderer::SphereLayer SurfaceRenderer::peel_spheres(const Environment& en
                                     .residual = peeling_residual_,
                                     .most_layers = most_peeled_layers_,
                                     .method = transparency_,
-                                    .light = [&](const SeenSpheres& layer) {
-                                        seen_spheres_ = layer;
-                                        draw_seen_spheres(light, view, {});
-                                    }});
+                                    .light =
+                                        [&](const SeenSpheres& layer) {
+                                            if (light == nullptr) return;
+                                            seen_spheres_ = layer;
+                                            draw_seen_spheres(*light, view, {});
+                                        },
+                                    .draw_others = listing(environment, view, shading)});
     return {peeling_.light(), peeling_.first_depth_share()};
 }
 
@@ -160,14 +177,46 @@ SurfaceRenderer::SphereLayer SurfaceRenderer::blend_spheres(const Environment& e
     return {blending_.light(), *spheres_->see(placed, view.width, view.height).depth_share};
 }
 
-void SurfaceRenderer::draw_transparent_spheres(const Environment& environment, const SurfaceView& view,
-                                               const SurfaceShading& shading, const Framebuffer& target) {
-    if (!any_spheres_blend()) return;
+bool SurfaceRenderer::lists_meshes(const SurfaceView& view) const {
+    if (transparency_ != TransparencyMethod::lists || (view.lens && view.lens->parts_transparent)) return false;
+    std::vector<Eigen::AlignedBox3d> boxes;
+    for (const Object& object : objects_) {
+        if (object.is_holdout || object.is_spheres()) continue;
+        for (const Mesh& mesh : object.meshes) {
+            if (object.material_of(mesh).blends()) boxes.push_back(object.bounds_of(mesh));
+        }
+    }
+    if (any_spheres_blend()) return !boxes.empty();
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            if (boxes[i].intersects(boxes[j])) return true;
+        }
+    }
+    return false;
+}
+
+std::function<void(bool)> SurfaceRenderer::listing(const Environment& environment, const SurfaceView& view,
+                                                   const SurfaceShading& shading) const {
+    if (!lists_meshes(view)) return {};
+    return [this, &environment, &view, &shading](bool counts) {
+        Programs programs = light_programs(environment, view, shading, {{"LISTED", "1"}});
+        programs.spheres = nullptr;
+        draw_objects(programs, view, Drawn::listed_light,
+                     [counts](Program& program, std::size_t) { program.set("counts_only", counts); });
+    };
+}
+
+void SurfaceRenderer::draw_in_order(const Environment& environment, const SurfaceView& view,
+                                    const SurfaceShading& shading, const Framebuffer& target) {
+    const bool lists = lists_meshes(view);
+    if (!any_spheres_blend() && !lists) return;
     // How the lens blurs it, and what of it is virtual, is told of all layers at once.
     SurfaceView of_light = view;
     of_light.lens.reset();
     of_light.parts_coverage = false;
-    const bool keeps_order = transparency_ == TransparencyMethod::lists || transparency_ == TransparencyMethod::peeling;
+    const bool keeps_order = transparency_ == TransparencyMethod::lists ||
+                             transparency_ == TransparencyMethod::peeling ||
+                             transparency_ == TransparencyMethod::dual_peeling;
     const SphereLayer layer =
         keeps_order ? peel_spheres(environment, of_light, shading) : blend_spheres(environment, of_light, shading);
     Program& over = shaders_.full_screen("surface/peeled.frag", view_defines(view));
@@ -179,6 +228,15 @@ void SurfaceRenderer::draw_transparent_spheres(const Environment& environment, c
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // premultiplied
     triangle_.draw();
     glDisable(GL_BLEND);
+    if (!lists || peeling_.unlisted_rows().empty()) return;
+    Programs programs = light_programs(environment, view, shading);
+    programs.spheres = nullptr;
+    glEnable(GL_SCISSOR_TEST);
+    for (const Region& rows : peeling_.unlisted_rows()) {
+        glScissor(rows.x, rows.y, rows.width, rows.height);
+        draw_objects(programs, view, Drawn::transparent_light);
+    }
+    glDisable(GL_SCISSOR_TEST);
 }
 
 void SurfaceRenderer::place_spheres(Program& program, const SurfaceView& view, const Object& object,
@@ -197,6 +255,12 @@ void SurfaceRenderer::place_spheres(Program& program, const SurfaceView& view, c
     program.set("end_id", first_id + geometry.size());
     object.materials.front().bind(program);
     program.set("material_index", 0.0);
+    if (!any_halos()) return;
+    const double focal_px = view_of_object(view, index).clip_from_world.row(0).head<3>().norm() * view.width / 2;
+    program.set("halo_strength", object.has_blending_spheres() ? 0 : object.halo.strength);
+    program.set("halo_radius_px", focal_px * std::tan(object.halo.width_deg * std::numbers::pi / 180));
+    program.set("halo_depth_m", object.halo.depth_m);
+    program.set("halo_step_px", view.halo_step_px);
 }
 
 void SurfaceRenderer::draw_seen_spheres(Program& program, const SurfaceView& view, const PlaceMore& place_more) const {

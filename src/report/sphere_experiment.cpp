@@ -5,7 +5,9 @@
 #include <filesystem>
 
 #include "report/sphere_edge_trial.h"
+#include "report/sphere_halo_trial.h"
 #include "report/sphere_layers.h"
+#include "report/sphere_occlusion_trial.h"
 #include "report/sphere_orbit.h"
 #include "report/sphere_stage.h"
 #include "report/sphere_trial.h"
@@ -51,26 +53,46 @@ SpherePart light_part(SphereStage& stage) {
     return {.name = "light",
             .ways = {{"seen", [&stage](const ReferenceView& view) { stage.see(view, {}); }},
                      {"probe light", [&stage](const ReferenceView& view) { stage.draw(view, {}); }},
-                     {"probe light, edges", [&stage](const ReferenceView& view) {
+                     {"probe light, edges",
+                      [&stage](const ReferenceView& view) {
                           stage.set_edge_places(checked_edge_places);
                           stage.draw(view, {});
                           stage.set_edge_places(0);
+                      }},
+                     {"probe light, 66 maps", [&stage](const ReferenceView& view) {
+                          stage.set_occlusion(SphereStage::Occlusion{});
+                          stage.draw(view, {});
+                          stage.set_occlusion({});
                       }}}};
+}
+
+/// Of sets that take seconds a frame, and of what is drawn in many ways.
+std::size_t few_frames(const SphereExperimentOptions& options) {
+    return std::min(options.frames, options.quick ? 1 : most_peeled_frames);
+}
+
+std::size_t frames_of(const SphereSet& set, const SphereExperimentOptions& options) {
+    constexpr std::size_t large = 20'000'000;  // C4
+    return set.size() < large ? options.frames : std::min(options.frames, most_peeled_frames);
 }
 
 void measure_opaque(const SphereSet& set, const SphereCaster& rays, const SphereExperimentOptions& options,
                     Report& report) {
     SphereStage stage(set);
     for (const SphereOrbit& orbit : sphere_orbits()) {
-        const std::vector<ReferenceView> views = views_of(set, orbit, options.frames, options.side_px);
-        for (const SpherePart& part : {visibility_part(stage), light_part(stage)}) {
+        const auto add_rows = [&](const SpherePart& part, std::size_t frames) {
+            const std::vector<ReferenceView> views = views_of(set, orbit, frames, options.side_px);
             for (SphereStudyRow& row : time_over_views(part, views, options.repeats)) {
                 row.set = set.name;
                 row.spheres = set.size();
                 row.orbit = orbit.name;
                 report.sphere_study.rows.push_back(std::move(row));
             }
-        }
+        };
+        add_rows(visibility_part(stage), frames_of(set, options));
+        add_rows(light_part(stage), frames_of(set, options));
+        add_rows(occlusion_part(stage, options.quick), few_frames(options));
+        stage.forget_maps();
         const std::vector<ReferenceView> compared = views_of(set, orbit, options.quick ? 1 : 3, options.side_px);
         const auto drawn = [&](const ReferenceView& view) {
             stage.set_edge_places(checked_edge_places);
@@ -96,6 +118,12 @@ void measure_opaque(const SphereSet& set, const SphereCaster& rays, const Sphere
     EffectReport detail = measure_sphere_detail(stage, rays, trial_view(sphere_orbits().front()));
     detail.name = "detail of " + set.name;
     report.effects.push_back(std::move(detail));
+    EffectReport occlusion = measure_sphere_occlusion(stage, rays, trial_view(sphere_orbits().front()));
+    occlusion.name = "occlusion of " + set.name;
+    report.effects.push_back(std::move(occlusion));
+    EffectReport halos = measure_sphere_halos(stage, rays, trial_view(sphere_orbits().back()));
+    halos.name = "halos of " + set.name;
+    report.effects.push_back(std::move(halos));
 }
 
 /// The same spheres, all of the study's opacity.
@@ -103,8 +131,7 @@ void measure_layers(const SphereSet& set, const SphereCaster& rays, const Sphere
                     Report& report) {
     SphereStage stage(set);
     const SphereOrbit& orbit = sphere_orbits().front();
-    const std::vector<ReferenceView> views =
-        views_of(set, orbit, std::min(options.frames, options.quick ? 1 : most_peeled_frames), options.side_px);
+    const std::vector<ReferenceView> views = views_of(set, orbit, few_frames(options), options.side_px);
     LayerStudy study = measure_layers(stage, rays, views, options.repeats, options.quick);
     for (SphereStudyRow& row : study.rows) {
         row.set = set.name;

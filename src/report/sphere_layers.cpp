@@ -89,14 +89,16 @@ std::vector<Knob> left_out(const ImageF& whole, const ImageF& stopped) {
 
 std::vector<Peeling> peelings_by_tolerance(const SphereStage& stage, bool quick) {
     std::vector<Peeling> peelings{{"to the end", 0, hardly_any, to_the_end, TransparencyMethod::peeling},
+                                  {"dual, to the end", 0, hardly_any, to_the_end, TransparencyMethod::dual_peeling},
                                   {"lists, to the end", 0, hardly_any, to_the_end, TransparencyMethod::lists}};
     const Eigen::Vector3d most_light = Eigen::Vector3d::Constant(stage.most_light());
     for (const double tolerance : {2.0, 8.0, 30.0}) {
         if (quick && tolerance != 8) continue;
         const double srgb = residual_of_tolerance(srgb_code, most_light, tolerance);
         const double linear = residual_of_tolerance(tolerance);
-        for (const TransparencyMethod method : {TransparencyMethod::peeling, TransparencyMethod::lists}) {
-            const char* const by = method == TransparencyMethod::lists ? "lists, " : "";
+        for (const auto& [by, method] :
+             {std::pair("", TransparencyMethod::peeling), std::pair("dual, ", TransparencyMethod::dual_peeling),
+              std::pair("lists, ", TransparencyMethod::lists)}) {
             peelings.push_back({fmt::format("{}t = {:g}", by, tolerance), tolerance, srgb, to_the_end, method});
             peelings.push_back(
                 {fmt::format("{}t = {:g}, linear codes", by, tolerance), tolerance, linear, to_the_end, method});

@@ -143,6 +143,29 @@ ImageF reference_opaque(const SphereCaster& spheres, const ReferenceView& view, 
     return picture;
 }
 
+Image<double> reference_halos(const SphereCaster& spheres, const ReferenceView& view, const SphereHalo& halo) {
+    const SpherePicture seen = reference_picture(spheres, view);
+    const double radius_px = view.pinhole.fx * std::tan(halo.width_deg * std::numbers::pi / 180);
+    const int reach = static_cast<int>(radius_px);
+    Image<double> left(view.width(), view.height(), 1, 1);
+    parallel_for(view.height(), [&](int y) {
+        for (int x = 0; x < view.width(); ++x) {
+            const double z_m = seen.depth_m.at(x, y);
+            if (!std::isfinite(z_m)) continue;
+            double most = 0;
+            for (int j = std::max(y - reach, 0); j <= std::min(y + reach, view.height() - 1); ++j) {
+                for (int i = std::max(x - reach, 0); i <= std::min(x + reach, view.width() - 1); ++i) {
+                    const double behind_m = z_m - seen.depth_m.at(i, j);
+                    const double near_share = 1 - std::hypot(i - x, j - y) / radius_px;
+                    most = std::max(most, near_share * std::clamp(behind_m / halo.depth_m, 0.0, 1.0));
+                }
+            }
+            left.at(x, y) = 1 - halo.strength * most;
+        }
+    });
+    return left;
+}
+
 std::vector<TransparentLayer> reference_layers(const SphereCaster& spheres, const SphereRay& ray,
                                                const SphereLight& light) {
     std::vector<SphereHit> hits;
@@ -156,12 +179,13 @@ std::vector<TransparentLayer> reference_layers(const SphereCaster& spheres, cons
     return layers;
 }
 
-double reference_open_share(const SphereCaster& spheres, const SpherePoint& point, int side) {
+Eigen::Vector3d reference_irradiance(const SphereCaster& spheres, const SpherePoint& point, int side,
+                                     const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& radiance) {
     const Eigen::Vector3d& up = point.normal;
     const Eigen::Vector3d right = up.unitOrthogonal(), forward = up.cross(right);
     // A sphere that coincides with the point's own is met at the point itself, give or take its rounding.
     const double least = 1e-9 * spheres.radius_m(point.hit);
-    int open = 0;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int ring = 0; ring < side; ++ring) {
         // Equal shares of the cosine: the disc below the hemisphere in rings of one area (Malley's method).
         const double radius = std::sqrt((ring + 0.5) / side);
@@ -173,10 +197,15 @@ double reference_open_share(const SphereCaster& spheres, const SpherePoint& poin
             const Eigen::Vector3d direction =
                 radius * (std::cos(azimuth) * right + std::sin(azimuth) * forward) + height * up;
             const SphereRay ray{.origin_m = point.position_m, .direction = direction, .least = least};
-            open += spheres.meets(ray, &point.hit) ? 0 : 1;
+            if (!spheres.meets(ray, &point.hit)) sum += radiance(direction);
         }
     }
-    return static_cast<double>(open) / (static_cast<double>(side) * side);
+    return std::numbers::pi / (static_cast<double>(side) * side) * sum;
+}
+
+double reference_open_share(const SphereCaster& spheres, const SpherePoint& point, int side) {
+    const auto even = [](const Eigen::Vector3d&) -> Eigen::Vector3d { return Eigen::Vector3d::Ones(); };
+    return reference_irradiance(spheres, point, side, even).x() / std::numbers::pi;
 }
 
 }  // namespace matchlight

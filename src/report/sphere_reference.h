@@ -10,6 +10,7 @@
 #include "core/image.h"
 #include "core/transforms.h"
 #include "report/transparency_reference.h"
+#include "scene/scene_file.h"
 #include "scene/sphere_caster.h"
 
 namespace matchlight {
@@ -79,9 +80,17 @@ bool is_sphere_edge(const SphereCaster& spheres, const ReferenceView& view, int 
 /// RGB and the share that spheres cover, the mean of `side` × `side` places a pixel; light is premultiplied.
 ImageF reference_opaque(const SphereCaster& spheres, const ReferenceView& view, int side, const SphereLight& light);
 
+/// The share of its light that halos leave each pixel: by every pixel around it. 1 where nothing is.
+Image<double> reference_halos(const SphereCaster& spheres, const ReferenceView& view, const SphereHalo& halo);
+
 /// Every sphere that the ray meets, nearest first.
 std::vector<TransparentLayer> reference_layers(const SphereCaster& spheres, const SphereRay& ray,
                                                const SphereLight& light);
+
+/// ∫ L cos θ dω over the hemisphere above a point of a sphere's outside, of the light that no other sphere takes, by
+/// `side` × `side` directions.
+Eigen::Vector3d reference_irradiance(const SphereCaster& spheres, const SpherePoint& point, int side,
+                                     const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& radiance);
 
 /// The open share of the cosine-weighted hemisphere over a point of a sphere's outside, by `side` × `side` directions.
 /// Every sphere is an occluder.

@@ -3,8 +3,10 @@
 
 #include <array>
 #include <numbers>
+#include <utility>
 
 #include "core/transfer.h"
+#include "lighting/octahedral_directions.h"
 
 namespace matchlight {
 namespace {
@@ -37,7 +39,7 @@ SurfaceObject matt() {
 }  // namespace
 
 SphereStage::SphereStage(const SphereSet& set)
-    : environment_(shaders_, sky(), few_lookups()), renderer_(shaders_), drawn_{} {
+    : sky_(sky()), environment_(shaders_, sky_, few_lookups()), renderer_(shaders_), drawn_{} {
     renderer_.add_spheres(matt(), set);
 }
 
@@ -51,7 +53,29 @@ void SphereStage::draw(const ReferenceView& view, const SphereVisibility& visibi
     seen.samples = 1;
     seen.sphere_edge_places = edge_places_;
     seen.sphere_detail_px = detail_px_;
-    drawn_ = renderer_.draw(environment_, seen);
+    seen.halo_step_px = halo_step_px_;
+    SurfaceShading shading;
+    if (occlusion_) {
+        const ObjectShadow& maps = maps_of(*occlusion_);
+        shading.pairs_maps = true;
+        shading.bind = [&maps](Program& program) {
+            program.set("objects_shade", true);
+            maps.bind(program, SurfaceShading::object_shadow_unit);
+        };
+    }
+    drawn_ = renderer_.draw(environment_, seen, shading);
+}
+
+const ObjectShadow& SphereStage::maps_of(const Occlusion& occlusion) {
+    const auto found = maps_.find(occlusion);
+    if (found != maps_.end()) return found->second;
+    ShadowCasters casters{renderer_.shadow_caster_bounds_m(),
+                          [this](Program& program) { renderer_.draw_shadow_casters(program); },
+                          [this](const SphereCast& cast) { renderer_.cast_shadow_spheres(cast); }};
+    if (renderer_.spheres() == nullptr) casters.cast_spheres = {};
+    ObjectShadow made(shaders_, casters, sample_octahedrally(sky_, occlusion.divisions),
+                      {.resolution = occlusion.resolution, .octahedron_divisions = occlusion.divisions});
+    return maps_.emplace(occlusion, std::move(made)).first->second;
 }
 
 ImageF SphereStage::picture() const {
@@ -83,6 +107,11 @@ double SphereStage::most_light() const {
     constexpr double slack = 1.001;  // of half floats
     return slack *
            light_of({{}, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitZ()}).maxCoeff();
+}
+
+Eigen::Vector3d SphereStage::occluded_light_of(const SphereCaster& rays, const SpherePoint& point, int side) const {
+    const auto radiance = [&](const Eigen::Vector3d& direction) { return sky_.radiance(direction); };
+    return grey / std::numbers::pi * reference_irradiance(rays, point, side, radiance);
 }
 
 Eigen::Vector3d SphereStage::light_of(const SpherePoint& point) const {

@@ -1,10 +1,14 @@
 // A sphere set on the GPU under plain light, drawn from any view: what its measurements are taken from.
 #pragma once
 
+#include <compare>
+#include <map>
+#include <optional>
 #include <vector>
 
 #include "core/image.h"
 #include "gl/shader_library.h"
+#include "render/effects/object_shadow.h"
 #include "render/environment.h"
 #include "render/surface.h"
 #include "report/sphere_reference.h"
@@ -36,19 +40,41 @@ public:
     /// Places along a pixel's side at edges from now on; 0 at first.
     void set_edge_places(int places) { edge_places_ = places; }
     int peeled_layers() const { return renderer_.peeled_layers(); }
+    /// Past the other spheres from now on, by the corners of an octahedron that is divided so often; absent, as at
+    /// first: all light arrives. Their maps are made when first asked for, and kept until forget_maps().
+    struct Occlusion {
+        int divisions = 2;
+        int resolution = 256;
+        auto operator<=>(const Occlusion&) const = default;
+    };
+    void set_occlusion(std::optional<Occlusion> occlusion) { occlusion_ = occlusion; }
+    void forget_maps() { maps_.clear(); }
+    /// From now on; none at first. Looked for at every `step_px` pixels.
+    void set_halo(const SphereHalo& halo, int step_px) {
+        renderer_.set_halo(0, halo);
+        halo_step_px_ = step_px;
+    }
     /// No point of any sphere sends more.
     double most_light() const;
 
     /// What the reference gives a point of it.
     Eigen::Vector3d light_of(const SpherePoint& point) const;
+    /// What it gives it past the others, by `side` × `side` directions.
+    Eigen::Vector3d occluded_light_of(const SphereCaster& rays, const SpherePoint& point, int side) const;
 
 private:
+    const ObjectShadow& maps_of(const Occlusion& occlusion);
+
     ShaderLibrary shaders_;
+    Probe sky_;
     Environment environment_;
     SurfaceRenderer renderer_;
     SurfacePicture drawn_;
     int edge_places_ = 0;
     double detail_px_ = 0;
+    int halo_step_px_ = 1;
+    std::optional<Occlusion> occlusion_;
+    std::map<Occlusion, ObjectShadow> maps_;
 };
 
 }  // namespace matchlight

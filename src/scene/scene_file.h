@@ -126,6 +126,15 @@ struct FocusOverride {
 /// Which axis of a file points up.
 enum class SphereAxes { z, y };
 
+/// Darkness behind the silhouettes of spheres.
+struct SphereHalo {
+    double strength = 0;     // 0..1 of the light, at the silhouette; 0: none
+    double width_deg = 0.3;  // of the view
+    double depth_m = 0.1;    // how far behind it is as dark as that
+
+    bool operator==(const SphereHalo&) const = default;
+};
+
 /// How the columns of a file become spheres.
 struct SphereSettings {
     std::optional<double> radius;  // of all, in the file's units
@@ -138,6 +147,7 @@ struct SphereSettings {
     std::string opacity_column;
     SphereAxes up = SphereAxes::z;
     std::int64_t frame = 0;  // of a trajectory
+    SphereHalo halo;
 
     bool operator==(const SphereSettings&) const = default;
 };
@@ -177,9 +187,9 @@ struct SurfaceSettings {
 
 enum class QualityLevel { draft, preview, final_, reference };
 
-/// How spheres that let light through are put together. Lists and peeling are exact, to the tolerance, and alike; the
-/// others keep no order.
-enum class TransparencyMethod { lists, peeling, weighted_sum, weighted_blended, moments };
+/// How spheres that let light through are put together. Lists and both ways of peeling are exact, to the tolerance, and
+/// alike; the others keep no order.
+enum class TransparencyMethod { lists, peeling, dual_peeling, weighted_sum, weighted_blended, moments };
 
 /// What is near in what objects mirror: nothing but where the probe saw it, the real surface as the clip shows it, the
 /// other objects by rays, too.
@@ -209,6 +219,8 @@ struct Scene {
     std::optional<ReflectionLevel> reflections;  // in place of the level's
     std::optional<bool> bounce;                  // likewise: whether light bounces between objects
     std::optional<int> sphere_edges;             // places along a layer pixel's side, in place of the level's
+    std::optional<double> sphere_detail_px;      // radius below which spheres are drawn fewer, in place of the level's
+    std::optional<int> occlusion_divisions;      // of an octahedron, in place of the level's directions of light
     TransparencyMethod transparency = TransparencyMethod::lists;
     double transparency_tolerance = 1;  // codes of 255, of spheres that let light through
     std::optional<double> budget_ms;    // for a frame: chooses levels within it

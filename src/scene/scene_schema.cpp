@@ -229,8 +229,17 @@ const std::vector<Setting> own_settings = {
      "places along a drawn pixel's side that tell what covers it where spheres have edges; 0, 1: its middle; by the "
      "level unless given",
      [](Scene& s, const SettingValue& v) { s.sphere_edges = static_cast<int>(v.integer); }},
-    {"quality", "transparency", one_of({"lists", "peeling", "weighted_sum", "weighted_blended", "moments"}), "",
-     "\"lists\"", "of spheres: all that a pixel meets, or layer by layer, both exact; or sums that keep no order",
+    {"quality", "sphere_detail", between(number, 0, 64), "drawn px", "",
+     "opaque spheres of a smaller radius are drawn fewer and larger; 0: all are drawn; by the level unless given",
+     [](Scene& s, const SettingValue& v) { s.sphere_detail_px = v.number; }},
+    {"quality", "occlusion_divisions", between(integer, 0, 4), "", "",
+     "light past other objects is told along the corners of an octahedron, divided so often: 6, 18, 66, 258 or 1026 "
+     "directions; along those in which most of it comes, by the level, unless given",
+     [](Scene& s, const SettingValue& v) { s.occlusion_divisions = static_cast<int>(v.integer); }},
+    {"quality", "transparency",
+     one_of({"lists", "peeling", "dual_peeling", "weighted_sum", "weighted_blended", "moments"}), "", "\"lists\"",
+     "of spheres: all that a pixel meets, or layer by layer from the front or from both ends, all exact; or sums that "
+     "keep no order",
      [](Scene& s, const SettingValue& v) { s.transparency = static_cast<TransparencyMethod>(v.choice); }},
     {"quality", "transparency_tolerance", above(number, 0, 64), "codes of 255", "1",
      "how far spheres that let light through may be off, where light behind them is up to three stops above white",

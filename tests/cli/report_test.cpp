@@ -318,7 +318,8 @@ TEST_F(ReportTest, SphereSetsAreMeasuredOverOrbits) {
         EXPECT_EQ(way["spheres"], 3);
         EXPECT_GT(way["ms_median"], 0);
     }
-    EXPECT_EQ(ways, (std::map<std::string, int>{{"visibility", 6}, {"light", 6}, {"layers", 2}, {"peeling", 9}}));
+    EXPECT_EQ(ways, (std::map<std::string, int>{
+                        {"visibility", 6}, {"light", 8}, {"maps", 10}, {"layers", 2}, {"peeling", 12}}));
     ASSERT_EQ(written["sphere_study"]["checks"].size(), 2U);
     for (const json& check : written["sphere_study"]["checks"]) {
         EXPECT_GT(check["pixels"], 1000);
@@ -327,11 +328,17 @@ TEST_F(ReportTest, SphereSetsAreMeasuredOverOrbits) {
     }
     // What stopping early leaves out is at most half the tolerance of 8, in the codes that it is meant for.
     for (const json& way : written["sphere_study"]["ways"]) {
-        if (way["way"] == "t = 8" || way["way"] == "lists, t = 8") {
+        if (way["way"] == "t = 8" || way["way"] == "dual, t = 8" || way["way"] == "lists, t = 8") {
             EXPECT_LE(way["beside"]["srgb_codes_left"], 4);
         }
     }
-    EXPECT_EQ(written["effects"]["transparency of few"]["points"].size(), 9U);
+    EXPECT_EQ(written["effects"]["transparency of few"]["points"].size(), 12U);
+    const json& occlusion = written["effects"]["occlusion of few"]["points"];
+    ASSERT_EQ(occlusion.size(), 4U);
+    EXPECT_LT(occlusion[3]["relative_rms"], occlusion[0]["relative_rms"]);
+    const json& halos = written["effects"]["halos of few"]["points"];
+    ASSERT_EQ(halos.size(), 5U);
+    EXPECT_LT(halos[4]["relative_rms"], 0.01);
     EXPECT_EQ(written["effects"]["edges of few"]["points"].size(), 6U);
     EXPECT_EQ(written["effects"]["detail of few"]["points"].size(), 5U);
     EXPECT_NE(bytes_of(folder / "report.html").find("<svg"), std::string::npos);

@@ -23,9 +23,9 @@ using test::random_set;
 using test::set_of;
 using test::TestCamera;
 
-constexpr std::array every_method{TransparencyMethod::lists, TransparencyMethod::peeling,
-                                  TransparencyMethod::weighted_sum, TransparencyMethod::weighted_blended,
-                                  TransparencyMethod::moments};
+constexpr std::array every_method{
+    TransparencyMethod::lists,        TransparencyMethod::peeling,          TransparencyMethod::dual_peeling,
+    TransparencyMethod::weighted_sum, TransparencyMethod::weighted_blended, TransparencyMethod::moments};
 constexpr std::array without_order{TransparencyMethod::weighted_sum, TransparencyMethod::weighted_blended,
                                    TransparencyMethod::moments};
 /// The picture is of half floats.

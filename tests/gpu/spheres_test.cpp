@@ -324,6 +324,57 @@ TEST_F(PeelingTest, lists_show_what_peeling_shows_where_cells_are_passed_over) {
     EXPECT_TRUE(std::ranges::equal(peeled.samples(), draw().samples()));
 }
 
+TEST_F(PeelingTest, both_ends_at_once_show_what_the_front_shows) {
+    from.size = 33;
+    from.focal_px = 40;
+    SphereSet set = random_set(600, 0.03F, 0.15F);
+    set.opacity = 0.2F;
+    // Some at one place: two, and four.
+    for (std::size_t i = 0; i < 100; ++i) set.spheres[i] = set.spheres[i + 100];
+    for (std::size_t i = 100; i < 120; ++i) set.spheres[i + 200] = set.spheres[i + 220] = set.spheres[i];
+    Model mesh = test::make_sphere(0.3);
+    for (const bool has_mesh : {false, true}) {
+        if (has_mesh) {
+            surfaces.add_object({.model = &mesh, .material = glowing({0, 1, 0}), .id = 1});
+        } else {
+            surfaces.add_spheres({.material = glowing({1, 0.5, 0.2}), .id = 2}, set);
+        }
+        surfaces.set_peeling(1e-6, 1000, TransparencyMethod::lists);
+        const ImageF listed = draw();
+        const int layers = surfaces.peeled_layers();
+        surfaces.set_peeling(1e-6, 1000, TransparencyMethod::dual_peeling);
+        const ImageF dual = draw();
+        EXPECT_GT(layers, 20);
+        EXPECT_NEAR(surfaces.peeled_layers(), layers, 8);
+        for (std::size_t i = 0; i < dual.samples().size(); ++i) {
+            // The picture is of half floats; sums from the other end differ by less.
+            ASSERT_NEAR(dual.samples()[i], listed.samples()[i], 1e-3) << i;
+        }
+        // What is stopped lets no more through than was allowed, under light of 1 and less.
+        const double residual = 0.1;
+        surfaces.set_peeling(residual, 1000, TransparencyMethod::dual_peeling);
+        const ImageF stopped = draw();
+        EXPECT_LT(surfaces.peeled_layers(), layers);
+        for (std::size_t i = 0; i < dual.samples().size(); ++i)
+            ASSERT_NEAR(stopped.samples()[i], listed.samples()[i], residual + 1e-3) << i;
+    }
+}
+
+TEST_F(PeelingTest, both_ends_at_once_show_the_same_where_cells_are_passed_over) {
+    from.size = 33;
+    from.focal_px = 40;
+    SphereSet set = random_set(150'000, 0.004F, 0.012F);
+    set.opacity = 0.5F;
+    surfaces.add_spheres({.material = glowing({1, 0.5, 0.2}), .id = 2}, set);
+    surfaces.set_peeling(0.001, 1000, TransparencyMethod::dual_peeling);
+    const ImageF dual = draw();
+    surfaces.spheres()->visibility = {.frustum = false, .occlusion = false};
+    EXPECT_TRUE(std::ranges::equal(dual.samples(), draw().samples()));
+    surfaces.set_peeling(0.001, 1000, TransparencyMethod::lists);
+    const ImageF listed = draw();
+    for (std::size_t i = 0; i < dual.samples().size(); ++i) ASSERT_NEAR(dual.samples()[i], listed.samples()[i], 2e-3);
+}
+
 TEST_F(PeelingTest, layers_add_up_in_the_order_of_the_ray) {
     const std::array<std::array<double, 3>, 2> lights{{{1, 0.2, 0}, {0, 0.3, 0.8}}};
     std::array<SphereSet, 2> sets{random_set(150, 0.05F, 0.15F), random_set(200, 0.03F, 0.12F)};

@@ -4,7 +4,14 @@
 struct DirectionOfLight {
     vec4 to_light, light, axis_u, axis_v;   // xyz of each; light = radiance times solid angle
 };
+#ifdef PAIRED_MAPS
+// One of odd number is the opposite of the one before it, and both share a map.
+const int directions_a_map = 2;
+layout(std430, binding = 4) readonly buffer ObjectShadowLights { DirectionOfLight object_shadow_lights[]; };
+#else
+const int directions_a_map = 1;
 layout(std140, binding = 0) uniform ObjectShadowLights { DirectionOfLight object_shadow_lights[256]; };
+#endif
 uniform int object_shadow_count;
 
 // One layer a direction, around a sphere of casters; radius 0: nothing casts.
@@ -28,7 +35,12 @@ bool is_shaded(sampler2DArray depth, vec3 centre_m, float radius_m, vec3 world_p
     float height = dot(lifted, object_shadow_lights[i].to_light.xyz) * 0.5 + 0.5;
     float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 0.1);
     float bias = (0.5 + slope) / float(size.x);
-    float highest = texelFetch(depth, ivec3(min(ivec2(at * vec2(size)), size - 1), i), 0).r;
+    ivec2 texel = min(ivec2(at * vec2(size)), size - 1);
+#ifdef PAIRED_MAPS
+    float highest = texelFetch(depth, ivec3(texel, i / directions_a_map), 0)[i % directions_a_map];
+#else
+    float highest = texelFetch(depth, ivec3(texel, i), 0).r;
+#endif
     // 0 is no caster, and a point beyond all of them may lie lower.
     return highest > max(height + bias, 0.0);
 }
@@ -41,12 +53,25 @@ bool is_shaded_by_real_things(vec3 world_position, vec3 world_normal, int i, flo
     return is_shaded(real_shadow_depth, real_shadow_centre_m, real_shadow_radius_m, world_position, world_normal, i, cosine);
 }
 
+// The direction of a map that a surface sees, and its cosine; 0 or less: it sees none.
+int seen_direction(int first, vec3 world_normal, out float cosine) {
+    cosine = dot(world_normal, object_shadow_lights[first].to_light.xyz);
+#ifdef PAIRED_MAPS
+    if (cosine < 0.0) {
+        cosine = -cosine;
+        return first + 1;
+    }
+#endif
+    return first;
+}
+
 // Whether objects take any light of a point: of most of a real thing they do not, which is soon found.
 bool is_in_shadow(vec3 world_position, vec3 world_normal) {
-    for (int i = 0; i < object_shadow_count; ++i) {
-        vec3 to_light = object_shadow_lights[i].to_light.xyz;
-        float cosine = dot(world_normal, to_light);
+    for (int first = 0; first < object_shadow_count; first += directions_a_map) {
+        float cosine;
+        int i = seen_direction(first, world_normal, cosine);
         if (cosine <= 0.0) continue;
+        vec3 to_light = object_shadow_lights[i].to_light.xyz;
         if (is_shaded_by_objects(world_position, world_normal, i, cosine) || light_left_along(world_position, to_light) < 1.0) return true;
     }
     return false;
@@ -58,10 +83,11 @@ vec3 object_shadow(vec3 world_position, vec3 world_normal, bool is_real) {
     if (is_real && !is_in_shadow(world_position, world_normal)) return vec3(1.0);
     vec3 open = vec3(0.0);
     vec3 all = vec3(0.0);
-    for (int i = 0; i < object_shadow_count; ++i) {
-        vec3 to_light = object_shadow_lights[i].to_light.xyz;
-        float cosine = dot(world_normal, to_light);
+    for (int first = 0; first < object_shadow_count; first += directions_a_map) {
+        float cosine;
+        int i = seen_direction(first, world_normal, cosine);
         if (cosine <= 0.0) continue;
+        vec3 to_light = object_shadow_lights[i].to_light.xyz;
         bool real_shades = is_shaded_by_real_things(world_position, world_normal, i, cosine);
         if (is_real && real_shades) continue;
         vec3 light = object_shadow_lights[i].light.rgb * cosine;

@@ -1,13 +1,15 @@
-// One depth map a direction, all of the same size around the casters' bounding sphere.
+// One depth map a direction, or two, all of the same size around the casters' bounding sphere.
 #include "render/effects/object_shadow.h"
 
 #include <array>
+#include <cassert>
 #include <span>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "gl/framebuffer.h"
+#include "lighting/octahedral_directions.h"
 
 namespace matchlight {
 
@@ -18,8 +20,8 @@ struct DirectionOfLight {
     std::array<float, 4> to_light, light, axis_u, axis_v;
 };
 
-/// The binding point that object_shadow.glsl names.
-constexpr GLuint uniform_block = 0;
+/// The binding points that object_shadow.glsl names.
+constexpr GLuint uniform_block = 0, storage_block = 4;
 /// As many as the smallest uniform block that OpenGL 4.5 promises (16 KiB) holds.
 constexpr int most_directions = 16384 / sizeof(DirectionOfLight);
 
@@ -33,6 +35,11 @@ void ObjectShadowSettings::check() const {
     if (directions < 0 || directions > most_directions) {
         throw std::invalid_argument(fmt::format("object shadow: directions must be 0..256, not {}", directions));
     }
+    const int divisions = octahedron_divisions.value_or(0);
+    if (divisions < 0 || divisions > most_octahedral_divisions) {
+        throw std::invalid_argument(
+            fmt::format("object shadow: an octahedron is divided 0..4 times, not {}", divisions));
+    }
     if (resolution < 16 || resolution > 2048) {
         throw std::invalid_argument(fmt::format("object shadow: resolution must be 16..2048, not {}", resolution));
     }
@@ -40,54 +47,82 @@ void ObjectShadowSettings::check() const {
 
 ObjectShadow::ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters,
                            const std::vector<DirectionalSample>& samples, const ObjectShadowSettings& settings)
-    : directions_(static_cast<int>(samples.size())), resolution_(settings.resolution) {
+    : is_paired_(settings.octahedron_divisions.has_value()),
+      directions_(static_cast<int>(samples.size())),
+      resolution_(settings.resolution) {
     settings.check();
+    assert(!is_paired_ || directions_ % 2 == 0);
     if (!casters.bounds_m.isEmpty()) {
         centre_m_ = casters.bounds_m.center();
         radius_m_ = casters.bounds_m.diagonal().norm() / 2;
     }
-    depth_ = Texture2D(
-        {.format = GL_DEPTH_COMPONENT32F, .width = resolution_, .height = resolution_, .layers = directions_});
+    const int directions_a_map = is_paired_ ? 2 : 1;
+    depth_ = Texture2D({.format = static_cast<GLenum>(is_paired_ ? GL_RG32F : GL_DEPTH_COMPONENT32F),
+                        .width = resolution_,
+                        .height = resolution_,
+                        .layers = directions_ / directions_a_map});
+    if (radius_m_ > 0 && casters.cast_spheres && !is_paired_)
+        one_ = Texture2D({.format = GL_DEPTH_COMPONENT32F, .width = resolution_, .height = resolution_});
     std::vector<DirectionOfLight> lights;
-    Program& program = shaders.program({{GL_VERTEX_SHADER, "effects/object_shadow/depth.vert"},
-                                        {GL_FRAGMENT_SHADER, "effects/object_shadow/depth.frag"}});
+    for (int i = 0; i < directions_; ++i) {
+        const DirectionalSample& sample = samples[static_cast<std::size_t>(i)];
+        const bool shares = is_paired_ && i % 2 == 1;  // the map, seen from its other side
+        const Eigen::Vector3d of_map = shares ? Eigen::Vector3d(-sample.direction) : sample.direction;
+        assert(!shares || of_map == samples[static_cast<std::size_t>(i - 1)].direction);
+        const Eigen::Vector3d axis_u = of_map.unitOrthogonal();
+        if (!shares) draw_map(shaders, casters, of_map, i / directions_a_map);
+        lights.push_back({four(sample.direction), four(sample.radiance_times_solid_angle), four(axis_u),
+                          four(of_map.cross(axis_u))});
+    }
+    one_ = {};
+    lights_ = Buffer(std::span<const DirectionOfLight>(lights));
+}
+
+void ObjectShadow::draw_map(ShaderLibrary& shaders, const ShadowCasters& casters, const Eigen::Vector3d& to_light,
+                            int layer) {
+    const Eigen::Vector3d axis_u = to_light.unitOrthogonal(), axis_v = to_light.cross(axis_u);
+    const Framebuffer target = is_paired_ ? Framebuffer({Attachment(depth_, 0, layer)})
+                               : one_     ? Framebuffer({}, Attachment(one_))
+                                          : Framebuffer({}, Attachment(depth_, 0, layer));
+    target.bind();
+    glDisable(GL_CULL_FACE);
+    if (is_paired_) {
+        // Nearest to either side at once: the greatest of both heights.
+        target.clear_color(0, 0, 0, 0, 0);
+        glDisable(GL_DEPTH_TEST);
+        glEnable(GL_BLEND);
+        glBlendEquation(GL_MAX);
+    } else {
+        target.clear_depth(0);
+        glEnable(GL_DEPTH_TEST);
+        glDepthFunc(GL_GREATER);
+        glDepthMask(GL_TRUE);
+        glDisable(GL_BLEND);
+    }
+    Program& program = shaders.program(
+        {{GL_VERTEX_SHADER, "effects/object_shadow/depth.vert"},
+         {GL_FRAGMENT_SHADER, is_paired_ ? "effects/object_shadow/heights.frag" : "effects/object_shadow/depth.frag"}});
     program.use();
     program.set("centre_m", Eigen::Vector3f(centre_m_.cast<float>()));
     program.set("radius_m", radius_m_);
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_GREATER);
-    glDepthMask(GL_TRUE);
-    glDisable(GL_BLEND);
-    glDisable(GL_CULL_FACE);
-    // Which spheres are hidden is found in a map that is no array.
-    const bool seeks_hidden = radius_m_ > 0 && casters.cast_spheres;
-    Texture2D one;
-    if (seeks_hidden) one = Texture2D({.format = GL_DEPTH_COMPONENT32F, .width = resolution_, .height = resolution_});
-    for (int i = 0; i < directions_; ++i) {
-        const Eigen::Vector3d& to_light = samples[i].direction;
-        const Eigen::Vector3d axis_u = to_light.unitOrthogonal();
-        const Eigen::Vector3d axis_v = to_light.cross(axis_u);
-        const Framebuffer target =
-            seeks_hidden ? Framebuffer({}, Attachment(one)) : Framebuffer({}, Attachment(depth_, 0, i));
-        target.bind();
-        target.clear_depth(0);
-        program.use();
-        program.set("direction_to_light", Eigen::Vector3f(to_light.cast<float>()));
-        program.set("axis_u", Eigen::Vector3f(axis_u.cast<float>()));
-        program.set("axis_v", Eigen::Vector3f(axis_v.cast<float>()));
-        if (radius_m_ > 0) casters.draw(program);
-        if (seeks_hidden) {
-            casters.cast_spheres({.view = map_view(to_light, axis_u, axis_v),
-                                  .fragment = "spheres/depth.frag",
-                                  .set_up = {},
-                                  .depth = &one});
-            glCopyImageSubData(one.name(), GL_TEXTURE_2D, 0, 0, 0, 0, depth_.name(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, i,
-                               resolution_, resolution_, 1);
-        }
-        lights.push_back({four(to_light), four(samples[i].radiance_times_solid_angle), four(axis_u), four(axis_v)});
+    program.set("direction_to_light", Eigen::Vector3f(to_light.cast<float>()));
+    program.set("axis_u", Eigen::Vector3f(axis_u.cast<float>()));
+    program.set("axis_v", Eigen::Vector3f(axis_v.cast<float>()));
+    if (radius_m_ > 0) casters.draw(program);
+    if (radius_m_ > 0 && casters.cast_spheres) {
+        // What is hidden from one side may be nearest to the other.
+        casters.cast_spheres({.view = map_view(to_light, axis_u, axis_v),
+                              .fragment = is_paired_ ? "spheres/heights.frag" : "spheres/depth.frag",
+                              .set_up = {},
+                              .depth = is_paired_ ? nullptr : &one_});
     }
+    if (one_) {
+        glCopyImageSubData(one_.name(), GL_TEXTURE_2D, 0, 0, 0, 0, depth_.name(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, layer,
+                           resolution_, resolution_, 1);
+    }
+    glBlendEquation(GL_FUNC_ADD);
+    glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
-    lights_ = Buffer(std::span<const DirectionOfLight>(lights));
 }
 
 /// As depth.vert has it.
@@ -107,7 +142,11 @@ SphereProjection ObjectShadow::map_view(const Eigen::Vector3d& to_light, const E
 
 void ObjectShadow::bind(Program& program, GLuint unit) const {
     program.bind_texture("object_shadow_depth", unit, depth_);
-    lights_.bind(GL_UNIFORM_BUFFER, uniform_block);
+    if (is_paired_) {
+        lights_.bind(GL_SHADER_STORAGE_BUFFER, storage_block);
+    } else {
+        lights_.bind(GL_UNIFORM_BUFFER, uniform_block);
+    }
     program.set("object_shadow_count", directions_);
     program.set("object_shadow_centre_m", Eigen::Vector3f(centre_m_.cast<float>()));
     program.set("object_shadow_radius_m", radius_m_);

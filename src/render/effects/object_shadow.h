@@ -10,6 +10,7 @@
 // without, and both without what real things shade, for the plate shows that already: the ratio that dims the plate.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -25,7 +26,12 @@ namespace matchlight {
 struct ObjectShadowSettings {
     int directions = 64;   // strata over the whole sphere, 1..256; 0 = objects cast nothing on objects
     int resolution = 256;  // texels along each side of a direction's map, 16..2048
+    /// In place of strata the corners of an octahedron that is divided so often, 0..4
+    /// (lighting/octahedral_directions.h): two that are opposite share one map, drawn once, of what is nearest to
+    /// either.
+    std::optional<int> octahedron_divisions = {};
 
+    bool any() const { return directions > 0 || octahedron_divisions.has_value(); }
     /// Throws std::invalid_argument naming the value that is out of range.
     void check() const;
 };
@@ -44,11 +50,16 @@ public:
     int directions() const { return directions_; }
 
 private:
+    /// Of a direction and, where they are paired, of its opposite.
+    void draw_map(ShaderLibrary& shaders, const ShadowCasters& casters, const Eigen::Vector3d& to_light, int layer);
     SphereProjection map_view(const Eigen::Vector3d& to_light, const Eigen::Vector3d& axis_u,
                               const Eigen::Vector3d& axis_v) const;
 
-    Texture2D depth_;  // an array, one layer a direction: height towards the light, 0..1 over the bounding sphere
-    Buffer lights_;    // a direction: towards the light, its light, the map's two axes
+    /// An array: height towards the light, 0..1 over the bounding sphere. One layer a direction, or (RG) a pair.
+    Texture2D depth_;
+    Texture2D one_;  // a map that is no array, in which is found which spheres are hidden
+    Buffer lights_;  // a direction: towards the light, its light, the map's two axes
+    bool is_paired_ = false;
     Eigen::Vector3d centre_m_ = Eigen::Vector3d::Zero();
     double radius_m_ = 0;
     int directions_ = 0;
