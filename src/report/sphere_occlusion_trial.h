@@ -8,7 +8,7 @@
 
 namespace matchlight {
 
-/// Ways to light a frame from 6 to 1,026 directions (quick: 258) whose maps are there, after one with none.
+/// Ways to light a frame from 6 to 1,026 directions (quick: 66) whose maps are there, after one with none.
 SpherePart occlusion_part(SphereStage& stage, bool quick);
 
 /// Maps of 6 to 1,026 directions and of two sizes, against rays in double precision at pixels' middles. `stage` has one

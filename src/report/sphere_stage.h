@@ -48,6 +48,7 @@ public:
         auto operator<=>(const Occlusion&) const = default;
     };
     void set_occlusion(std::optional<Occlusion> occlusion) { occlusion_ = occlusion; }
+    void make_maps(const Occlusion& occlusion) { maps_of(occlusion); }
     void forget_maps() { maps_.clear(); }
     /// From now on; none at first. Looked for at every `step_px` pixels.
     void set_halo(const SphereHalo& halo, int step_px) {

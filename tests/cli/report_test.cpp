@@ -319,7 +319,7 @@ TEST_F(ReportTest, SphereSetsAreMeasuredOverOrbits) {
         EXPECT_GT(way["ms_median"], 0);
     }
     EXPECT_EQ(ways, (std::map<std::string, int>{
-                        {"visibility", 6}, {"light", 8}, {"maps", 10}, {"layers", 2}, {"peeling", 12}}));
+                        {"visibility", 6}, {"light", 8}, {"maps", 8}, {"layers", 2}, {"peeling", 12}}));
     ASSERT_EQ(written["sphere_study"]["checks"].size(), 2U);
     for (const json& check : written["sphere_study"]["checks"]) {
         EXPECT_GT(check["pixels"], 1000);
