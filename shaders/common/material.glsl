@@ -18,6 +18,14 @@ uniform float occlusion_strength = 1.0;
 uniform float alpha_cutoff = 0.0;   // fragments with less are left out
 uniform bool alpha_blends = false;  // else what is left is opaque
 
+#ifdef RELIEF
+// Of the flat surface: what is seen moves by jumps.
+vec2 relief_uv_dx, relief_uv_dy;
+#define sampled(map, uv) textureGrad(map, uv, relief_uv_dx, relief_uv_dy)
+#else
+#define sampled(map, uv) texture(map, uv)
+#endif
+
 // Where a texture is read; the base colour's lies as the vertices say (scene/placed_material.cpp).
 #ifdef UV_MAPPINGS
 in vec2 material_uv_second;
@@ -34,25 +42,25 @@ vec2 uv_of(int bit, vec2 uv) {
 
 vec4 base_color_at(vec2 uv, vec4 vertex_color) {
     vec4 color = base_color_factor * vertex_color;
-    if ((material_textures & has_base_color) != 0) color *= texture(base_color_texture, uv);
+    if ((material_textures & has_base_color) != 0) color *= sampled(base_color_texture, uv);
     return color;
 }
 
 vec2 metallic_roughness_at(vec2 uv) {
     vec2 value = vec2(metallic_factor, roughness_factor);
-    if ((material_textures & has_metallic_roughness) != 0) value *= texture(metallic_roughness_texture, uv_of(has_metallic_roughness, uv)).bg;
+    if ((material_textures & has_metallic_roughness) != 0) value *= sampled(metallic_roughness_texture, uv_of(has_metallic_roughness, uv)).bg;
     return clamp(value, 0.0, 1.0);
 }
 
 vec3 emissive_at(vec2 uv) {
     vec3 emissive = emissive_factor;
-    if ((material_textures & has_emissive) != 0) emissive *= texture(emissive_texture, uv_of(has_emissive, uv)).rgb;
+    if ((material_textures & has_emissive) != 0) emissive *= sampled(emissive_texture, uv_of(has_emissive, uv)).rgb;
     return emissive;
 }
 
 float occlusion_at(vec2 uv) {
     if ((material_textures & has_occlusion) == 0) return 1.0;
-    return 1.0 + occlusion_strength * (texture(occlusion_texture, uv_of(has_occlusion, uv)).r - 1.0);
+    return 1.0 + occlusion_strength * (sampled(occlusion_texture, uv_of(has_occlusion, uv)).r - 1.0);
 }
 
 // The normal that a map gives, or the surface's where the material has none, on the side the eye sees. `tangent` is zero
@@ -62,7 +70,7 @@ vec3 normal_by(int bit, sampler2D map, float scale, vec3 normal, vec4 tangent, v
     if ((material_textures & bit) != 0 && dot(tangent.xyz, tangent.xyz) > 0.0) {
         vec3 t = normalize(tangent.xyz - dot(tangent.xyz, n) * n);
         vec3 b = cross(n, t) * tangent.w;
-        vec3 mapped = texture(map, uv_of(bit, uv)).xyz * 2.0 - 1.0;
+        vec3 mapped = sampled(map, uv_of(bit, uv)).xyz * 2.0 - 1.0;
         mapped.xy *= scale;
         n = normalize(mat3(t, b, n) * mapped);
     }

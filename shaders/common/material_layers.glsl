@@ -12,13 +12,13 @@ uniform sampler2D coat_normal_texture;
 
 float coat_strength_at(vec2 uv) {
     float strength = coat_strength;
-    if ((material_textures & has_coat) != 0) strength *= texture(coat_texture, uv_of(has_coat, uv)).r;
+    if ((material_textures & has_coat) != 0) strength *= sampled(coat_texture, uv_of(has_coat, uv)).r;
     return clamp(strength, 0.0, 1.0);
 }
 float coat_roughness_at(vec2 uv) {
     float roughness = coat_roughness_factor;
     if ((material_textures & has_coat_roughness) != 0)
-        roughness *= texture(coat_roughness_texture, uv_of(has_coat_roughness, uv)).g;
+        roughness *= sampled(coat_roughness_texture, uv_of(has_coat_roughness, uv)).g;
     return clamp(roughness, 0.0, 1.0);
 }
 // The coat lies over the base's normal map, and may have one of its own.
@@ -36,13 +36,13 @@ uniform sampler2D sheen_albedo_table;       // by the cosine and the roughness (
 
 vec3 sheen_color_at(vec2 uv) {
     vec3 color = sheen_color_factor;
-    if ((material_textures & has_sheen_color) != 0) color *= texture(sheen_color_texture, uv_of(has_sheen_color, uv)).rgb;
+    if ((material_textures & has_sheen_color) != 0) color *= sampled(sheen_color_texture, uv_of(has_sheen_color, uv)).rgb;
     return clamp(color, 0.0, 1.0);
 }
 float sheen_roughness_at(vec2 uv) {
     float roughness = sheen_roughness_factor;
     if ((material_textures & has_sheen_roughness) != 0)
-        roughness *= texture(sheen_roughness_texture, uv_of(has_sheen_roughness, uv)).a;
+        roughness *= sampled(sheen_roughness_texture, uv_of(has_sheen_roughness, uv)).a;
     return clamp(roughness, 0.0, 1.0);
 }
 float sheen_albedo(float cosine, float roughness) {
@@ -72,9 +72,9 @@ uniform sampler2D specular_color_texture;   // sRGB
 vec4 specular_at(vec2 uv) {
     float strength = specular_strength;
     vec3 color = specular_color_factor;
-    if ((material_textures & has_specular) != 0) strength *= texture(specular_texture, uv_of(has_specular, uv)).a;
+    if ((material_textures & has_specular) != 0) strength *= sampled(specular_texture, uv_of(has_specular, uv)).a;
     if ((material_textures & has_specular_color) != 0)
-        color *= texture(specular_color_texture, uv_of(has_specular_color, uv)).rgb;
+        color *= sampled(specular_color_texture, uv_of(has_specular_color, uv)).rgb;
     strength = clamp(strength, 0.0, 1.0);
     return vec4(min(ior_reflectance * max(color, vec3(0.0)), vec3(1.0)) * strength, strength);
 }
@@ -93,7 +93,7 @@ Anisotropy anisotropy_at(vec2 uv, vec3 n, vec4 tangent, bool front_facing, float
     vec2 direction = anisotropy_direction;
     float strength = anisotropy_strength;
     if ((material_textures & has_anisotropy) != 0) {
-        vec3 texel = texture(anisotropy_texture, uv_of(has_anisotropy, uv)).rgb;
+        vec3 texel = sampled(anisotropy_texture, uv_of(has_anisotropy, uv)).rgb;
         vec2 drawn = texel.rg * 2.0 - 1.0;
         direction = mat2(direction, vec2(-direction.y, direction.x)) * drawn;
         strength *= texel.b;
@@ -118,13 +118,13 @@ uniform sampler2D thickness_texture;     // G
 float transmission_at(vec2 uv) {
     float strength = transmission_factor;
     if ((material_textures & has_transmission) != 0)
-        strength *= texture(transmission_texture, uv_of(has_transmission, uv)).r;
+        strength *= sampled(transmission_texture, uv_of(has_transmission, uv)).r;
     return clamp(strength, 0.0, 1.0);
 }
 // In the mesh's own units; 0: a thin wall.
 float thickness_at(vec2 uv) {
     float thickness = thickness_factor;
-    if ((material_textures & has_thickness) != 0) thickness *= texture(thickness_texture, uv_of(has_thickness, uv)).g;
+    if ((material_textures & has_thickness) != 0) thickness *= sampled(thickness_texture, uv_of(has_thickness, uv)).g;
     return max(thickness, 0.0);
 }
 #endif

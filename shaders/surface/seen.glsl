@@ -11,6 +11,10 @@ in vec4 vertex_color;
 
 #define front_facing gl_FrontFacing
 
+#ifdef RELIEF
+#include "surface/relief.glsl"
+#else
 bool see() { return true; }
 float inverse_z() { return gl_FragCoord.w; }  // clip-space w is the camera's z
+#endif
 #endif

@@ -13,6 +13,12 @@
 #ifdef TRANSMISSION
 #include "surface/transmission.glsl"
 #endif
+#ifdef PATTERN
+#include "surface/patterns.glsl"
+#endif
+#ifdef PICTURE_LAYERS
+#include "surface/picture_layers.glsl"
+#endif
 #ifdef RAYS
 #include "common/object_light.glsl"
 #include "surface/lobe.glsl"
@@ -40,7 +46,9 @@ uniform int lobe_rays;      // a fragment, along the lobe of a rough surface
 vec3 seen_side;             // the triangle's normal towards the eye
 #endif
 
+#ifndef RELIEF
 uniform vec3 eye_world;
+#endif
 uniform bool reflects_sphere_map = false;
 uniform bool is_classic = false;
 uniform vec3 classic_diffuse = vec3(0.0);   // Od
@@ -242,6 +250,16 @@ void main() {
 #endif
     vec4 base = base_color_at(material_uv, vertex_color);
     if (base.a < alpha_cutoff) discard;
+#ifdef PATTERN
+#ifdef RELIEF
+    base.rgb *= pattern_at(material_uv, relief_uv_dx, relief_uv_dy);
+#else
+    base.rgb *= pattern_at(material_uv, dFdx(material_uv), dFdy(material_uv));
+#endif
+#endif
+#ifdef PICTURE_LAYERS
+    base.rgb = with_picture_layers(base.rgb, material_uv);
+#endif
     float alpha = alpha_blends ? clamp(base.a, 0.0, 1.0) : 1.0;
 #ifdef LISTED
     if (counts_only) {

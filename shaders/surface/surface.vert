@@ -11,6 +11,10 @@ layout(location = 6) in vec2 texture_uv_second;
 out vec2 material_uv_second;
 #endif
 
+#if defined(PATTERN) && !defined(PATTERN_UV)
+out vec3 object_position;
+#endif
+
 uniform mat4 clip_from_model;  // multiplied in double precision on the CPU
 uniform mat4 world_from_model;
 uniform mat3 normal_from_model;  // inverse transpose
@@ -36,6 +40,9 @@ void main() {
     world_normal = normal_from_model * normal;
     world_tangent = vec4(mat3(world_from_model) * tangent.xyz, tangent.w);
     material_uv = texture_uv;
+#if defined(PATTERN) && !defined(PATTERN_UV)
+    object_position = position;
+#endif
 #ifdef UV_MAPPINGS
     material_uv_second = texture_uv_second;
 #endif

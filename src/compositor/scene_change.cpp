@@ -32,6 +32,7 @@ ObjectSettings loaded_part(const ObjectSettings& object) {
     part.focus.reset();
     part.material = {};
     part.material.texture = object.material.texture;
+    part.material.detail = object.material.detail;
     return part;
 }
 

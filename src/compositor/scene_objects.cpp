@@ -13,6 +13,7 @@
 #include "scene/model.h"
 #include "scene/sphere_file.h"
 #include "scene/subdivide.h"
+#include "scene/surface_pictures.h"
 
 namespace matchlight {
 
@@ -79,9 +80,11 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
         } else {
             model = object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
             if (!object.material.texture.empty()) set_base_color_texture(model, object.material.texture);
+            const SurfacePictures pictures = load_surface_pictures(model, object.material, warnings);
             if (preparation.fine_meshes) shorten_edges(model, object.holdout);
             if (object.holdout) add_back_sides(model);
             added.model = &model;
+            if (object.material.detail != SurfaceDetail{}) added.pictures = &pictures;
             surfaces.add_object(added);
         }
         if (rays_) rays_->add_object(model, object.material, object.holdout);
@@ -119,7 +122,7 @@ void SceneObjects::add_spheres(const SurfaceObject& added, const ObjectSettings&
             scene, fmt::format("object '{}' is a set of spheres, which cannot stand for a real thing", object.name),
             "use a model or a shape as holdout");
     }
-    if (!object.material.texture.empty()) {
+    if (!object.material.texture.empty() || object.material.detail != SurfaceDetail{}) {
         throw InputError(scene, fmt::format("object '{}' is a set of spheres, which takes no texture", object.name),
                          "colour it by a column: color_column of [object.sphere]");
     }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 
 #include "render/surface_object.h"
@@ -26,8 +27,13 @@ std::size_t SurfaceRenderer::add_object(const SurfaceObject& object) {
         object.world_from_model, object.reflection, object.id, object.casts_shadow, object.is_holdout, {}, {}, {}, {}};
     added.own_materials = model.materials;
     if (added.own_materials.empty()) added.own_materials.emplace_back();
+    if (object.pictures != nullptr) {
+        const double volume = std::abs(object.world_from_model.topLeftCorner<3, 3>().determinant());
+        added.overlay = std::make_unique<SurfaceOverlay>(*object.pictures, std::cbrt(volume));
+    }
     for (const ModelMaterial& material : added.own_materials) {
         added.materials.push_back(make_surface_material(model, material, object.material, added.textures));
+        added.materials.back().set_overlay(added.overlay.get());
     }
     for (const ModelMesh& mesh : model.meshes) {
         if (mesh.indices.empty()) continue;
@@ -70,6 +76,7 @@ bool SurfaceRenderer::set_material(std::size_t index, const MaterialOverride& ma
     for (const ModelMaterial& own : object.own_materials) {
         auto surface = surface_material_of_uploaded(own, material, object.textures);
         if (!surface) return false;
+        surface->set_overlay(object.overlay.get());
         changed.push_back(std::move(*surface));
     }
     object.materials = std::move(changed);

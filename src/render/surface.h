@@ -24,6 +24,7 @@
 namespace matchlight {
 
 struct SurfaceMaterial;
+struct SurfacePictures;
 
 /// An object that is seen from elsewhere than the rest, with the same depths.
 struct ObjectView {
@@ -115,7 +116,7 @@ struct ObjectWay {
 
 enum class WayEnd { opening, closing };
 
-/// An object as it is added; `model` is only read while adding.
+/// An object as it is added; `model` and `pictures` are only read while adding.
 struct SurfaceObject {
     const Model* model = nullptr;
     Eigen::Matrix4d world_from_model = Eigen::Matrix4d::Identity();
@@ -123,8 +124,9 @@ struct SurfaceObject {
     ReflectionForm reflection = ReflectionForm::cube;
     int id = 1;  // in the object-id layer; 0 is kept for the background
     bool casts_shadow = true;
-    bool is_holdout = false;  // a real thing's shape
-    SphereHalo halo = {};     // of a set of opaque spheres
+    bool is_holdout = false;                    // a real thing's shape
+    SphereHalo halo = {};                       // of a set of opaque spheres
+    const SurfacePictures* pictures = nullptr;  // what the scene lays on it; null: nothing
 };
 
 /// Sets what other passes bring into the shading of surfaces: the uniforms of common/visibility.glsl. Texture units
@@ -285,6 +287,9 @@ private:
     };
     Programs programs(const std::string& fragment, ShaderDefines defines = {},
                       const std::function<void(Program&)>& set_up = {}) const;
+    /// `drawn` with others for what moves what is seen, which passes without light need, too.
+    Programs with_relief(Programs drawn, const std::string& fragment,
+                         const std::function<void(Program&)>& set_up = {}) const;
     /// The programs for light, with what they read set.
     Programs light_programs(const Environment& environment, const SurfaceView& view, const SurfaceShading& shading,
                             const ShaderDefines& more = {}) const;

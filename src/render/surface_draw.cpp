@@ -109,7 +109,7 @@ void SurfaceRenderer::place(Program& program, const SurfaceView& view, const Obj
     const Eigen::Matrix3d linear = object.world_from_model.topLeftCorner<3, 3>();
     const ObjectView seen = view_of_object(view, index);
     program.set("clip_from_model", Eigen::Matrix4f((seen.clip_from_world * object.world_from_model).cast<float>()));
-    if (!view.apart.empty()) program.set("eye_world", Eigen::Vector3f(seen.eye_world_m.cast<float>()));
+    program.set("eye_world", Eigen::Vector3f(seen.eye_world_m.cast<float>()));
     program.set("world_from_model", Eigen::Matrix4f(object.world_from_model.cast<float>()));
     program.set("normal_from_model", Eigen::Matrix3f(linear.inverse().transpose().cast<float>()));
     program.set("reflects_sphere_map", object.reflection == ReflectionForm::sphere_map);
@@ -215,6 +215,20 @@ SurfaceRenderer::Programs SurfaceRenderer::programs(const std::string& fragment,
     spheres.use();
     if (set_up) set_up(spheres);
     return {meshes, &spheres};
+}
+
+SurfaceRenderer::Programs SurfaceRenderer::with_relief(Programs drawn, const std::string& fragment,
+                                                       const std::function<void(Program&)>& set_up) const {
+    drawn.of_material = [this, plain = &drawn.meshes, fragment, set_up](const SurfaceMaterial& material) -> Program& {
+        const ShaderDefines defines = geometry_defines(material.defines);
+        if (defines.empty()) return *plain;
+        Program& program =
+            shaders_.program({{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, fragment}}, defines);
+        program.use();
+        if (set_up) set_up(program);
+        return program;
+    };
+    return drawn;
 }
 
 ShaderDefines SurfaceRenderer::light_defines(const SurfaceView& view, const SurfaceShading& shading) {
@@ -368,9 +382,11 @@ SurfacePicture SurfaceRenderer::draw_hidden(const Environment& environment, cons
     see_spheres(view, SphereKind::opaque, &targets_->depth);
     begin_drawing(*target, region, colors_of(view));
     // First where it is, then how it looks: so that little of it is shaded in vain, for mostly little is hidden.
-    const Programs depth = programs("surface/hidden_depth.frag", {}, [&](Program& program) {
+    const std::string hidden_depth = "surface/hidden_depth.frag";
+    const auto set_up = [&](Program& program) {
         program.bind_texture("nearest_depth_share", nearest_depth_unit, targets_->depth);
-    });
+    };
+    const Programs depth = with_relief(programs(hidden_depth, {}, set_up), hidden_depth, set_up);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     draw_objects(depth, view, Drawn::hidden_depth);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -396,7 +412,8 @@ SurfacePicture SurfaceRenderer::draw_layers(const SurfaceView& view) {
     target.clear_color_integer(2, 0);
     target.clear_depth();
     glDisable(GL_SCISSOR_TEST);
-    draw_objects(programs("surface/layers.frag"), view, Drawn::layers);
+    const std::string layers = "surface/layers.frag";
+    draw_objects(with_relief(programs(layers), layers), view, Drawn::layers);
     return {.width = view.width,
             .height = view.height,
             .depth_m = &targets_->layer_depth_m,
@@ -452,8 +469,9 @@ const Texture2D& SurfaceRenderer::draw_parts(const SurfaceView& view) {
                                  current_gl_context()->info().max_samples);
     Targets::fit(targets_->parts, view, GL_R32F, samples);
     see_spheres(view, SphereKind::all);
-    const Programs drawn =
-        programs("surface/parts.frag", {}, [&](Program& program) { program.set("sample_count", samples); });
+    const std::string parts = "surface/parts.frag";
+    const auto set_up = [&](Program& program) { program.set("sample_count", samples); };
+    const Programs drawn = with_relief(programs(parts, {}, set_up), parts, set_up);
     begin_drawing(targets_->parts.target, {0, 0, view.width, view.height}, 1);
     std::size_t first_part = 1;
     std::vector<std::size_t> first_parts;

@@ -22,6 +22,11 @@ float SurfaceMaterial::reflectance() const {
     return static_cast<float>(std::clamp(luminance + dielectric * (1 - factors.metallic), 0.0, 1.0));
 }
 
+void SurfaceMaterial::set_overlay(const SurfaceOverlay* chosen) {
+    overlay = chosen;
+    if (overlay != nullptr) defines.insert(overlay->defines().begin(), overlay->defines().end());
+}
+
 void SurfaceMaterial::bind(Program& program) const {
     static constexpr std::array<const char*, material_slots> samplers{
         "base_color_texture",      "metallic_roughness_texture", "normal_texture",
@@ -50,6 +55,7 @@ void SurfaceMaterial::bind(Program& program) const {
     program.set("classic_specular", classic_specular);
     program.set("is_classic", is_classic);
     bind_layers(program, layer_unit);
+    if (overlay != nullptr) overlay->bind(program);
     if (!defines.contains("UV_MAPPINGS")) return;
     std::array<Eigen::Vector3f, 2 * material_slots> rows;
     int of_second = 0;
@@ -120,7 +126,9 @@ Wrap wrap_of(TextureWrap wrap) {
 }
 
 TextureFilter filter_of(const TextureSampling& sampling) {
-    TextureFilter filter{.is_smooth_near = sampling.is_smooth_near, .is_smooth_far = sampling.is_smooth_far};
+    TextureFilter filter{.is_smooth_near = sampling.is_smooth_near,
+                         .is_smooth_far = sampling.is_smooth_far,
+                         .anisotropy = static_cast<float>(sampling.anisotropy)};
     if (sampling.mipmaps == TextureMipmaps::none) filter.mipmaps = Mipmaps::none;
     if (sampling.mipmaps == TextureMipmaps::nearest) filter.mipmaps = Mipmaps::nearest;
     return filter;

@@ -9,6 +9,7 @@
 #include "gl/objects.h"
 #include "gl/program.h"
 #include "gl/shader_source.h"
+#include "render/surface_overlay.h"
 #include "scene/model.h"
 #include "scene/scene_file.h"
 
@@ -22,12 +23,15 @@ struct SurfaceMaterial {
     Eigen::Vector3f classic_diffuse = Eigen::Vector3f::Zero();   // Od
     Eigen::Vector3f classic_specular = Eigen::Vector3f::Zero();  // Ks
     const Texture2D* sheen_table = nullptr;                      // where there is sheen
+    const SurfaceOverlay* overlay = nullptr;                     // of the scene; null: nothing
     bool is_classic = false;  // Od or Ks was chosen; reflection by sphere map is classic all the same
 
     /// Share of white light that it sends back, diffuse and mirrored together, by its factors.
     float reflectance() const;
     bool blends() const { return factors.alpha_mode == AlphaMode::blend; }
     bool transmits() const { return defines.contains("TRANSMISSION"); }
+    /// Lays what the scene says over it; `chosen` outlives this.
+    void set_overlay(const SurfaceOverlay* chosen);
     /// Sets the uniforms and binds the textures of common/material.glsl and the classic terms.
     void bind(Program& program) const;
     /// Of what plain materials have; the others have theirs from here on, those that are there.

@@ -1,6 +1,7 @@
 // An object of SurfaceRenderer as it lies on the GPU.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct SurfaceRenderer::Object {
     std::vector<Mesh> meshes;
     std::optional<std::size_t> spheres = {};  // a set of them instead
     SphereHalo halo = {};
+    std::unique_ptr<SurfaceOverlay> overlay = {};  // null: nothing is laid on it
 
     bool is_spheres() const { return spheres.has_value(); }
     bool has_blending_spheres() const { return is_spheres() && materials.front().blends(); }

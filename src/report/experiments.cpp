@@ -15,6 +15,8 @@ const std::vector<NamedExperiment>& all_experiments() {
                                                              {"table_reflection", table_reflection_experiment},
                                                              {"lamp_on_table", lamp_on_table_experiment},
                                                              {"holdout_shadow", holdout_shadow_experiment},
+                                                             {"relief", relief_experiment},
+                                                             {"pattern", pattern_experiment},
                                                              {"bloom", bloom_experiment},
                                                              {"classic_bloom", classic_bloom_experiment},
                                                              {"streaks", streaks_experiment},

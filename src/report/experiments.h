@@ -39,6 +39,11 @@ std::optional<Experiment> holdout_shadow_experiment(const SceneStage& stage, con
 /// What a glossy surface shows of it: lookups of the rough levels.
 std::optional<Experiment> glossy_experiment(const SceneStage& stage, const ExperimentOptions& options);
 
+/// Ways to show a height map: steps.
+std::optional<Experiment> relief_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// Patterns towards the horizon: filtered, or samples a pixel.
+std::optional<Experiment> pattern_experiment(const SceneStage& stage, const ExperimentOptions& options);
+
 /// What moves while the shutter is open: gathered from one picture, or drawn at several times.
 std::optional<Experiment> motion_blur_experiment(const SceneStage& stage, const ExperimentOptions& options);
 

@@ -40,9 +40,10 @@ StabilityRow stability_row(const StabilityCase& tried) {
 
 std::vector<StabilityCase> stability_cases(bool quick) {
     std::vector<StabilityCase> all = number_cases();
-    for (const auto& more : {probe_cases(), light_cases(), wave_glare_cases(), defocus_cases(), depth_of_field_cases(),
-                             motion_blur_cases(), frame_cases(), tag_pose_cases(quick), exposure_cases(),
-                             ball_cases(quick), surface_picture_cases(), sphere_cases(), near_light_cases()})
+    for (const auto& more :
+         {probe_cases(), light_cases(), wave_glare_cases(), defocus_cases(), depth_of_field_cases(),
+          motion_blur_cases(), frame_cases(), tag_pose_cases(quick), exposure_cases(), ball_cases(quick),
+          surface_picture_cases(), sphere_cases(), near_light_cases(), surface_detail_cases()})
         all.insert(all.end(), more.begin(), more.end());
     return all;
 }

@@ -65,6 +65,8 @@ std::vector<StabilityCase> surface_picture_cases();
 std::vector<StabilityCase> sphere_cases();
 /// Rays between objects, bounced light, mirroring tables and holdouts: a context must be current where they run.
 std::vector<StabilityCase> near_light_cases();
+/// Relief and patterns on surfaces: likewise.
+std::vector<StabilityCase> surface_detail_cases();
 /// All of them; `quick` leaves out most of the slow ones.
 std::vector<StabilityCase> stability_cases(bool quick = false);
 

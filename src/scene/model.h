@@ -26,6 +26,7 @@ struct TextureSampling {
     TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
     TextureMipmaps mipmaps = TextureMipmaps::linear;
     bool is_smooth_near = true, is_smooth_far = true;  // between texels: where they are larger than pixels, and smaller
+    int anisotropy = 1;  // how much longer than wide a pixel may lie on it and still be read as long
 
     bool operator==(const TextureSampling&) const = default;
 };

@@ -65,6 +65,7 @@ private:
     void check_tag(const toml::table& table);
     void check_object(const toml::table& table);
     void check_spheres(const toml::table& table);
+    void check_material(const toml::table& table);
     void check_camera(const toml::table& table);
     void check_background(const toml::node& node);
     void check_color(const toml::table& root);
@@ -215,6 +216,7 @@ std::vector<std::string> SceneReader::read_table(const SceneSection& section, co
     }
     if (section.name == "tags.rig") check_tag(table);
     if (section.name == "object") check_object(table);
+    if (section.name == "object.material") check_material(table);
     if (section.name == "camera") check_camera(table);
     return lines;
 }
@@ -348,6 +350,22 @@ void SceneReader::check_spheres(const toml::table& table) {
                  fmt::format("'scale' of [[object]] {} differs from axis to axis, and spheres stay spheres",
                              scene_.objects.size()),
                  "give one number");
+}
+
+void SceneReader::check_material(const toml::table& table) {
+    const SurfaceDetail& detail = scene_.objects.back().material.detail;
+    if (detail.relief.depth_m > 0 && detail.relief.height_map.empty()) {
+        source_.fail(*table.get("height"), "'height' in [object.material] carves nothing without a height_map",
+                     "give height_map");
+    }
+    if (const toml::node* map = table.get("height_map"); map != nullptr && !table.contains("height")) {
+        source_.fail(*map, "'height_map' in [object.material] needs to know how deep it is", "give height in metres");
+    }
+    if (!detail.pattern) return;
+    const auto& direction = detail.pattern->direction;
+    if (std::ranges::any_of(direction, [](double component) { return component != 0; })) return;
+    source_.fail(*table.get("pattern"), "'direction' in [object.material.pattern] has no direction",
+                 "give [1, 0, 0] for the x axis");
 }
 
 void SceneReader::check_camera(const toml::table& table) {

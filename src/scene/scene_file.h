@@ -15,6 +15,7 @@
 #include "core/warnings.h"
 #include "lighting/probe.h"
 #include "scene/effects.h"
+#include "scene/surface_detail.h"
 #include "scene/virtual_camera.h"
 
 namespace matchlight {
@@ -83,6 +84,7 @@ struct MaterialOverride {
     std::optional<std::array<double, 3>> emissive;  // radiance, probe units
     std::optional<std::array<double, 3>> diffuse;   // Od of the classic model
     std::optional<std::array<double, 3>> specular;  // Ks of the classic model
+    SurfaceDetail detail;
 
     bool operator==(const MaterialOverride&) const = default;
 };

@@ -13,6 +13,7 @@
 #include "scene/object_motion_schema.h"
 #include "scene/setting_domains.h"
 #include "scene/sphere_schema.h"
+#include "scene/surface_detail_schema.h"
 
 namespace matchlight {
 namespace {
@@ -272,10 +273,12 @@ std::vector<Row> joined(const std::vector<Row>& rows, const std::vector<Row>& mo
 
 // Sections are read in this order: what is the default of later ones depends on there being a camera.
 const std::vector<SceneSection> section_table =
-    joined(joined(joined(footage_sections, camera_sections()), shot_sections), effect_sections());
-const std::vector<Setting> setting_table =
-    joined(joined(joined(joined(own_settings, sphere_settings()), object_motion_settings()), effect_settings()),
-           camera_settings());
+    joined(joined(joined(joined(footage_sections, camera_sections()), shot_sections), surface_detail_sections()),
+           effect_sections());
+const std::vector<Setting> setting_table = joined(
+    joined(joined(joined(joined(own_settings, surface_detail_settings()), sphere_settings()), object_motion_settings()),
+           effect_settings()),
+    camera_settings());
 
 std::string_view type_name(SettingKind kind) {
     switch (kind) {
