@@ -92,7 +92,7 @@ std::vector<Vector3d> octahedral_directions(int divisions) {
         }
     }
     std::ranges::sort(half);
-    half.erase(std::ranges::unique(half).begin(), half.end());
+    half.erase(std::unique(half.begin(), half.end()), half.end());
     std::vector<Vector3d> directions;
     for (const Key& key : half) {
         const Vector3d direction(std::get<2>(key), std::get<1>(key), std::get<0>(key));
