@@ -26,6 +26,16 @@
 #ifdef LENS
 #include "surface/lens_focus.glsl"
 #endif
+#ifdef LAMPS
+#include "common/lamp_shadow.glsl"
+#include "surface/lamp_light.glsl"
+#endif
+#ifdef CLASSIC_SHADING
+#include "surface/classic.glsl"
+#endif
+#ifdef DEPTH_CUE
+#include "surface/depth_cue.glsl"
+#endif
 
 #ifdef SPHERES
 #include "effects/object_shadow/object_shadow.glsl"
@@ -273,6 +283,9 @@ void main() {
 #endif
 
 #ifdef UNLIT
+#ifdef DEPTH_CUE
+    base.rgb = with_depth_cue(base.rgb, 1.0 / inverse_z());
+#endif
     color = vec4(min(max(base.rgb, vec3(0.0)), vec3(largest_half)) * alpha, alpha);
 #ifdef COVERAGE
     coverage = vec4(alpha);
@@ -314,6 +327,11 @@ void main() {
 
     vec3 radiance, reflection;
     float reflection_roughness = 0.0;
+#ifdef LAMPS
+    LampSurface lit;
+    lit.v = v;
+    lit.pixel_span2 = pixel_span2(reflected_dx, reflected_dy);
+#endif
     if (reflects_sphere_map || is_classic) {
         vec3 seen = direction_in_probe(world_position, reflected);
         vec3 environment = reflects_sphere_map
@@ -322,6 +340,15 @@ void main() {
                                : mirrored_radiance(reflected, widened_roughness(0.0, reflected_dx, reflected_dy));
         reflection = classic_specular * environment;
         radiance = classic_diffuse * diffuse_light + reflection;
+#ifdef LAMPS
+        lit.lobe = LampLobe(n, vec2(0.0), vec3(0.0));
+        lit.diffuse = classic_diffuse;
+        // Ks is all that it mirrors, at every angle.
+        lit.f0_dielectric = classic_specular;
+        lit.f90_dielectric = classic_specular;
+        lit.metallic = 0.0;
+        lit.f0_metal = vec3(0.0);
+#endif
     } else {
         vec2 metallic_roughness = metallic_roughness_at(material_uv);
         float metallic = metallic_roughness.x;
@@ -361,6 +388,32 @@ void main() {
         reflection *= below;
         radiance = below * radiance + sheen_color * fibres * occlusion * sheen_radiance(n, v, sheen_roughness);
 #endif
+#ifdef LAMPS
+        lit.lobe = LampLobe(n, vec2(pow(roughness, 4.0)), vec3(0.0));
+        lit.diffuse = sent.diffuse;
+#ifdef TRANSMISSION
+        lit.diffuse -= through;
+#endif
+#ifdef ANISOTROPY
+        lit.lobe.alpha2.x = stretch.alpha * stretch.alpha;
+        lit.lobe.stretched = stretch.along;
+#endif
+#ifdef SPECULAR
+        vec4 specular = specular_at(material_uv);
+        lit.f0_dielectric = specular.rgb;
+        lit.f90_dielectric = vec3(specular.a);
+#else
+        lit.f0_dielectric = dielectric_f0;
+        lit.f90_dielectric = vec3(1.0);
+#endif
+        lit.f0_metal = base.rgb;
+        lit.metallic = metallic;
+#ifdef SHEEN
+        lit.sheen_color = sheen_color;
+        lit.sheen_roughness = sheen_roughness;
+        lit.below_sheen = below;
+#endif
+#endif
     }
     radiance += emissive_at(material_uv);
 #ifdef COAT
@@ -380,6 +433,35 @@ void main() {
     if (dot(coat_reflection, vec3(1.0)) > dot(reflection, vec3(1.0))) reflection_roughness = coat_roughness;
     reflection = (1.0 - coated) * reflection + coat_reflection;
     radiance = (1.0 - coated) * radiance + coat_reflection;
+#ifdef LAMPS
+    lit.coat = LampLobe(coat_n, vec2(pow(coat_roughness, 4.0)), vec3(0.0));
+    lit.coat_pixel_span2 = pixel_span2(dFdx(coat_reflected), dFdy(coat_reflected));
+    lit.coat_strength = coat_strength_at(material_uv);
+    lit.below_coat = 1.0 - coated;
+#endif
+#endif
+#ifdef LAMPS
+#ifdef RAYS
+    vec3 lamp_side = seen_side;
+#else
+    vec3 lamp_side = n;
+#endif
+#ifdef CLASSIC_SHADING
+    if (shading_model != 0) {
+        float metal = metallic_roughness_at(material_uv).x;
+        ClassicSurface drawn = ClassicSurface(n, v, (1.0 - metal) * base.rgb, mix(dielectric_f0, base.rgb, metal), vertex_visibility);
+        if (is_classic) {
+            drawn.diffuse = classic_diffuse;
+            drawn.specular = classic_specular;
+        }
+        reflection = vec3(0.0);
+        radiance = classic_radiance(drawn, world_position, lamp_side) + emissive_at(material_uv);
+    } else
+#endif
+    radiance += lamp_radiance(lit, world_position, lamp_side);
+#endif
+#ifdef DEPTH_CUE
+    radiance = with_depth_cue(radiance, 1.0 / inverse_z());
 #endif
 #ifdef LENS
     float share = dot(reflection, vec3(1.0)) / max(dot(radiance, vec3(1.0)), 1e-20);

@@ -5,9 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "compositor/probe_lamps.h"
 #include "lighting/octahedral_directions.h"
 #include "lighting/probe.h"
 #include "render/effects/bounce_light.h"
+#include "render/effects/lamp_shadow.h"
 #include "scene/object_motion.h"
 
 namespace matchlight {
@@ -22,6 +24,7 @@ constexpr const char* cube_pass = "light/reflection cube";
 constexpr const char* sphere_map_pass = "light/sphere map";
 constexpr const char* contact_pass = "shadow/contact";
 constexpr const char* between_pass = "shadow/between objects";
+constexpr const char* lamp_pass = "shadow/of lamps";
 constexpr const char* bounce_pass = "light/bounced";
 constexpr const char* reflection_pass = "surface reflection";
 
@@ -39,16 +42,17 @@ const char* hold_for(const Scene& scene) {
     return std::ranges::any_of(scene.objects, moves) ? "where the objects stand" : "the clip";
 }
 
-Probe even_probe() {
+Probe even_probe(float light) {
     Probe probe;
-    probe.latlong = ImageF(16, 8, 3, even_light);
+    probe.latlong = ImageF(16, 8, 3, light);
     return probe;
 }
 
 Probe probe_of(const Scene& scene, Warnings& warnings) {
+    if (lit_by_lamps_alone(scene)) return even_probe(0);
     if (!scene.probe) {
         warnings.add(scene.path.string() + ": no light probe: objects are lit evenly from everywhere");
-        return even_probe();
+        return even_probe(even_light);
     }
     return placed(load_probe(scene.probe->path, scene.probe->mapping, warnings), scene.probe->placement);
 }
@@ -58,6 +62,7 @@ Probe probe_of(const Scene& scene, Warnings& warnings) {
 ClipLight::ClipLight(ShaderLibrary& shaders, const Lit& lit, const Scene& scene, const Quality& quality,
                      Warnings& warnings)
     : shaders_(shaders),
+      objects_(lit.objects),
       surfaces_(lit.surfaces),
       rays_(lit.objects.rays()),
       surface_(scene.surface),
@@ -70,6 +75,7 @@ ClipLight::ClipLight(ShaderLibrary& shaders, const Lit& lit, const Scene& scene,
         probe_name_ = scene.probe->path.string();
     }
     make_environment(warnings);
+    make_lamps(scene);
     describe_surface();
 }
 
@@ -87,6 +93,25 @@ void ClipLight::make_environment(Warnings& warnings) {
     }
 }
 
+void ClipLight::make_lamps(const Scene& scene) {
+    scene_lamps_ = scene.lamps;
+    const bool any_classic = std::ranges::any_of(scene.objects, [](const ObjectSettings& object) {
+        return object.material.shading.model != ShadingModel::physical;
+    });
+    if (any_classic && scene_lamps_.empty() && objects_.lamps().empty()) scene_lamps_ = lamps_of_probe(probe_);
+    shading_.has_lamps = any_classic || !scene_lamps_.empty() || objects_.any_lamps();
+    lamps_.reset();
+    if (shading_.has_lamps) place_lamps();
+}
+
+void ClipLight::place_lamps() {
+    std::vector<LampSettings> lamps = scene_lamps_;
+    for (const LampSettings& lamp : objects_.lamps()) {
+        if (lamps.size() < most_lamps) lamps.push_back(lamp);
+    }
+    lamps_.emplace(lamps);
+}
+
 void ClipLight::set_scene(RenderGraph& graph, const Scene& scene, const SceneChange& change, Warnings& warnings) {
     shadows_hold_for_ = hold_for(scene);
     if (change.light && scene.probe) {
@@ -102,6 +127,7 @@ void ClipLight::set_scene(RenderGraph& graph, const Scene& scene, const SceneCha
         graph.forget_kept(cube_pass);
         graph.forget_kept(sphere_map_pass);
     }
+    if (change.light) make_lamps(scene);
     if (change.surface) surface_ = scene.surface;
     if (change.light || change.surface) surface_lights_.clear();
     if (!change.shadows()) return;
@@ -160,6 +186,10 @@ void ClipLight::bind_shading(Program& program) const {
     program.set("surface_z_m", surface_.z_m);
     program.set("surface_is_near", is_near);
     program.set("probe_place_m", Eigen::Vector3f(place_m.cast<float>()));
+    if (lamps_) {
+        lamps_->bind(program);
+        program.set("surface_hides_lamps", surface_.present);
+    }
     program.set("objects_shade", object_shadow_.has_value());
     if (object_shadow_) object_shadow_->bind(program, SurfaceShading::object_shadow_unit);
     if (real_shadow_) real_shadow_->bind_as_real(program, SurfaceShading::object_shadow_unit + 1);
@@ -199,6 +229,7 @@ SurfaceReflection ClipLight::add_reflection(RenderGraph& graph, const MirrorView
                                    .region = view.region,
                                    .runs = view.runs,
                                    .light = view.light,
+                                   .defines = shadow_defines(),
                                    .bind_light =
                                        [this](Program& program) {
                                            environment_->bind(program);
@@ -211,6 +242,7 @@ std::vector<PassInput> ClipLight::add_passes(RenderGraph& graph) {
     std::vector<PassInput> inputs;
     add_environment(graph, inputs);
     add_shadows(graph, inputs);
+    add_lamps(graph, inputs);
     add_bounces(graph, inputs);
     return inputs;
 }
@@ -230,7 +262,11 @@ void ClipLight::add_environment(RenderGraph& graph, std::vector<PassInput>& inpu
 }
 
 void ClipLight::forget_shadows(RenderGraph& graph, bool casters) {
-    if (casters) graph.forget_kept(contact_pass);
+    if (casters) {
+        if (lamps_ && objects_.any_lamps()) place_lamps();
+        graph.forget_kept(contact_pass);
+        graph.forget_kept(lamp_pass);
+    }
     coarse_shadows_ = dragging_;
     if (dragging_) return;
     graph.forget_kept(between_pass);
@@ -242,7 +278,7 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
     std::vector<PassInput> contact_input;
     if (!surface_.present || !surface_.shadow) {
         graph.leave_out(contact_pass, "the scene's surface catches no shadow");
-    } else if (!anything_casts && graph.leaves_out()) {
+    } else if (!anything_casts && !lamps_ && graph.leaves_out()) {
         graph.leave_out(contact_pass, "no object casts");
     } else {
         const GraphTexture map = graph.import(nullptr, {.format = GL_NONE, .region = {}});
@@ -254,8 +290,7 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
                         .draw = [this](PassRun&) {
                             const ContactShadowSettings& settings =
                                 dragging_ ? dragged(quality_.shadow) : quality_.shadow;
-                            contact_shadow_ =
-                                make_contact_shadow(shaders_, casters(), surface_light(settings.directions), settings);
+                            make_surface_shadow(settings);
                             cast_shadow_.reset();
                             if (contact_shadow_ && bounces()) cast_shadow_ = contact_shadow_->copy();
                             shadow_has_bounce_ = false;
@@ -274,6 +309,31 @@ void ClipLight::add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs) 
                     .once_for = shadows_hold_for_,
                     .draw = [this](PassRun&) { bake_object_shadow(); }});
     inputs.push_back({baked});
+}
+
+void ClipLight::add_lamps(RenderGraph& graph, std::vector<PassInput>& inputs) {
+    if (!lamps_) return graph.leave_out(lamp_pass, "the scene has no analytic lights");
+    const GraphTexture maps = graph.import(nullptr, {.format = GL_NONE, .region = {}});
+    graph.add_pass(
+        {.name = lamp_pass, .provides = {maps}, .once = true, .once_for = shadows_hold_for_, .draw = [this](PassRun&) {
+             const bool rays_meet_all =
+                 shading_.traces_rays && quality_.lamps.rays > 0 && surfaces_.rays_meet_all_casters();
+             lamps_->draw_maps(shaders_, casters(), quality_.lamps, !rays_meet_all);
+         }});
+    inputs.push_back({maps});
+}
+
+void ClipLight::make_surface_shadow(const ContactShadowSettings& settings) {
+    SurfaceLight surface = surface_light(settings.directions);
+    const SurfaceLamps lamps{.lamps = lamps_ ? &*lamps_ : nullptr,
+                             .probe_irradiance = irradiance(probe_, Eigen::Vector3d::UnitZ())};
+    if (lamps_)
+        surface.lamp_reach_m =
+            lamp_shadow_reach(surfaces_.shadow_caster_bounds_m(), surface_.z_m, lamps, settings.lost_share);
+    contact_shadow_ = make_contact_shadow(shaders_, casters(), surface, settings);
+    if (!lamps_) return;
+    const int points = dragging_ ? 1 : quality_.lamps.surface_points;
+    contact_shadow_ = with_lamps(shaders_, std::move(contact_shadow_), casters(), surface_.z_m, lamps, points);
 }
 
 // Objects that move change nothing of these, and to find them the whole probe is summed up.
@@ -311,8 +371,9 @@ void ClipLight::bake_object_shadow() {
     if (samples.empty() || (surfaces_.shadow_caster_bounds_m().isEmpty() && !reals_cast)) return;
     object_shadow_.emplace(shaders_, casters(), samples, quality_.object_shadow);
     if (reals_cast) real_shadow_.emplace(shaders_, real_casters(), samples, quality_.object_shadow);
-    Program& bake = shaders_.compute("effects/object_shadow/bake.comp",
-                                     shading_.pairs_maps ? ShaderDefines{{"PAIRED_MAPS", "1"}} : ShaderDefines{});
+    ShaderDefines defines = shadow_defines();
+    if (shading_.pairs_maps) defines["PAIRED_MAPS"] = "1";
+    Program& bake = shaders_.compute("effects/object_shadow/bake.comp", defines);
     bake.use();
     bind_shading(bake);
     surfaces_.bake_visibility(bake);
@@ -348,12 +409,14 @@ void ClipLight::bounce_light() {
                                           environment_->bind(program);
                                           bind_shading(program);
                                       },
-                                  .has_visibility = has_visibility_};
+                                  .has_visibility = has_visibility_,
+                                  .defines = shadow_defines()};
     bounce_between_objects(shaders_, objects, quality_.bounce);
     if (!contact_shadow_ || !bounces()) return;
-    bounce_to_surface(shaders_, objects, *contact_shadow_,
-                      bounce_reach(surfaces_.shadow_caster_bounds_m(), surface_.z_m),
-                      irradiance(probe_, Eigen::Vector3d::UnitZ()), quality_.bounce);
+    bounce_to_surface(
+        shaders_, objects, *contact_shadow_, bounce_reach(surfaces_.shadow_caster_bounds_m(), surface_.z_m),
+        contact_shadow_->lamps ? contact_shadow_->lamps->reference() : irradiance(probe_, Eigen::Vector3d::UnitZ()),
+        quality_.bounce);
     shadow_has_bounce_ = true;
 }
 

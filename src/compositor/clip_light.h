@@ -18,6 +18,7 @@
 #include "render/effects/surface_reflection.h"
 #include "render/environment.h"
 #include "render/graph.h"
+#include "render/lamps.h"
 #include "render/surface.h"
 #include "render/surface_picture_map.h"
 #include "scene/scene_file.h"
@@ -66,10 +67,17 @@ public:
 
 private:
     void make_environment(Warnings& warnings);
+    void make_lamps(const Scene& scene);
+    /// Those of models stand where they stand now.
+    void place_lamps();
+    void add_lamps(RenderGraph& graph, std::vector<PassInput>& inputs);
     ShadowCasters casters();
     ShadowCasters real_casters();
     void add_environment(RenderGraph& graph, std::vector<PassInput>& inputs);
     void add_shadows(RenderGraph& graph, std::vector<PassInput>& inputs);
+    void make_surface_shadow(const ContactShadowSettings& settings);
+    /// What shaders of light are compiled with that look the shadow on the surface up.
+    ShaderDefines shadow_defines() const { return lamps_ ? ShaderDefines{{"LAMPS", "1"}} : ShaderDefines{}; }
     bool bounces() const;
     void restore_cast_shadow();
     void bake_object_shadow();
@@ -81,6 +89,7 @@ private:
     const std::vector<DirectionalSample>& object_light();
 
     ShaderLibrary& shaders_;
+    SceneObjects& objects_;
     SurfaceRenderer& surfaces_;
     RayScene* rays_;  // null: none are traced
     SurfaceSettings surface_;
@@ -100,6 +109,8 @@ private:
     // Kept where there are spheres, which look at them in every pixel.
     std::optional<ObjectShadow> object_shadow_, real_shadow_;
     SurfacePictureMap surface_picture_;
+    std::vector<LampSettings> scene_lamps_;
+    std::optional<Lamps> lamps_;      // with those of models
     bool shadow_has_bounce_ = false;  // contact_shadow_ is no longer as cast
     bool has_visibility_ = false;     // baked at the vertices
     SurfaceShading shading_;

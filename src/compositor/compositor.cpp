@@ -146,7 +146,7 @@ bool Compositor::Impl::set_scene(const Scene& changed) {
         surfaces.set_casts_shadow(i, object.casts_shadow);
         object_names[i] = object.name;
     }
-    if (change.placement || change.casting) scene_objects->set_scene(changed, solve, start());
+    if (change.placement || change.casting || change.light) scene_objects->set_scene(changed, solve, start());
     light->set_scene(graph, changed, change, warnings);
     const bool other_sky = change.light && changed.background.probe;
     if (changed.camera && (change.background || other_sky)) {

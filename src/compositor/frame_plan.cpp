@@ -106,7 +106,12 @@ ShadowReach Compositor::Impl::shadow_reach(const PlateFormat& format) {
     const std::optional<ContactShadow>& shadow = light->contact_shadow();
     if (!shadow) return {};
     if (!footprint) footprint.emplace(shadow->far, shadow->fine, half_code(format));
-    return {.in = [this](const Eigen::AlignedBox2d& box_m) { return footprint->touches(box_m); },
+    const double least_share = half_code(format);
+    return {.in =
+                [this, shadow = &*shadow, least_share](const Eigen::AlignedBox2d& box_m) {
+                    return footprint->touches(box_m) ||
+                           (shadow->lamps && shadow->lamps->light(box_m, shadow->surface_z_m, least_share));
+                },
             .surface_z_m = shadow->surface_z_m};
 }
 
@@ -136,7 +141,10 @@ void Compositor::Impl::plan_surface_defocus(FramePlan& plan, const PlateFormat& 
     }
     ShadowReach edges = shadow;
     edges.spread_px = [&blur](const Region& tile) { return blur.focus.reach_px(tile, 0, blur.knobs); };
-    edges.in = [this](const Eigen::AlignedBox2d& box_m) { return shadow_detail->touches(box_m); };
+    // A cone's edge is in no map.
+    edges.in = [this, in = shadow.in](const Eigen::AlignedBox2d& box_m) {
+        return shadow_detail->touches(box_m) || (light->contact_shadow()->lamps && in(box_m));
+    };
     for (const Region& tile : frame_tiles(solve.camera)) {
         if (options.leave_out && !sees_shadow(tile, shadow, world_from_camera, lens_map, solve.camera)) continue;
         blur.tiles.push_back(focus.over(tile));

@@ -30,6 +30,7 @@ FramePasses::PlacedView FramePasses::place_view(Eigen::AlignedBox2d bounds, Virt
     double& density = placed.layer_density;
     density = resources_.quality.supersampling;
     density = std::min({density, limit / (span.x() * camera.fx), limit / (span.y() * camera.fy)});
+    placed.view.density = density;
     layer.fx = camera.fx * density;
     layer.fy = camera.fy * density;
     SurfaceView& view = placed.view;
@@ -88,6 +89,16 @@ std::optional<RealDepth> FramePasses::real_depth(const PlacedView& placed) const
 
 SurfaceShading FramePasses::shading() const {
     SurfaceShading shading = resources_.light.shading();
+    if (const std::optional<DepthCueSettings>& cue = resources_.effects.settings().depth_cue;
+        cue && (cue->strength > 0 || !resources_.graph.leaves_out())) {
+        shading.fades_with_depth = true;
+        shading.bind = [light = shading.bind, cue = *cue](Program& program) {
+            if (light) light(program);
+            program.set("depth_cue_color", Eigen::Vector3f(Eigen::Vector3d(cue.color.data()).cast<float>()));
+            program.set("depth_cue_range_m", Eigen::Vector2f(Eigen::Vector2d(cue.near_m, cue.far_m).cast<float>()));
+            program.set("depth_cue_strength", cue.strength);
+        };
+    }
     if (!plate_behind_) return shading;
     shading.bind = [light = shading.bind, &behind = *plate_behind_](Program& program) {
         if (light) light(program);

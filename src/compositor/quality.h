@@ -9,6 +9,7 @@
 #include "render/effects/bounce_light.h"
 #include "render/effects/contact_shadow.h"
 #include "render/effects/object_shadow.h"
+#include "render/lamps.h"
 #include "scene/scene_file.h"
 
 namespace matchlight {
@@ -37,7 +38,23 @@ struct Quality {
     QualityLevel depth_of_field = QualityLevel::final_;
     QualityLevel motion_blur = QualityLevel::final_;
     QualityLevel sensor = QualityLevel::final_;  // chromatic aberration and softness
+    LampQuality lamps = {};
 };
+
+/// Shadows of analytic lights: rays where the level's reflections trace them, maps elsewhere and of spheres.
+inline LampQuality lamp_quality_of(QualityLevel level) {
+    switch (level) {
+        case QualityLevel::draft:
+            return {.resolution = 256, .taps = 8, .rays = 0, .surface_points = 8};
+        case QualityLevel::preview:
+            return {.resolution = 512, .taps = 12, .rays = 0, .surface_points = 16};
+        case QualityLevel::reference:
+            return {.resolution = 2048, .taps = 64, .rays = 64, .surface_points = 512};
+        case QualityLevel::final_:
+            break;
+    }
+    return {};
+}
 
 inline Quality quality_of(QualityLevel level) {
     switch (level) {
@@ -56,7 +73,8 @@ inline Quality quality_of(QualityLevel level) {
                     level,
                     level,
                     level,
-                    level};
+                    level,
+                    lamp_quality_of(level)};
         case QualityLevel::preview:
             return {1,
                     1,
@@ -72,7 +90,8 @@ inline Quality quality_of(QualityLevel level) {
                     level,
                     level,
                     level,
-                    level};
+                    level,
+                    lamp_quality_of(level)};
         case QualityLevel::reference:
             return {
                 4,

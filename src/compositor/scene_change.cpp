@@ -29,10 +29,12 @@ ObjectSettings loaded_part(const ObjectSettings& object) {
     part.parent_tag.reset();
     part.reflection = plain.reflection;
     part.casts_shadow = plain.casts_shadow;
+    part.lights = plain.lights;
     part.focus.reset();
     part.material = {};
     part.material.texture = object.material.texture;
     part.material.detail = object.material.detail;
+    part.material.shading.model = object.material.shading.model;  // it asks for lamps
     return part;
 }
 
@@ -50,7 +52,9 @@ bool loads_otherwise(const Scene& before, const Scene& after) {
     };
     const bool of_clip = before.path != after.path || before.footage != after.footage ||
                          before.camera != after.camera || before.tags != after.tags ||
-                         before.probe.has_value() != after.probe.has_value() || probe_file(before) != probe_file(after);
+                         before.probe.has_value() != after.probe.has_value() ||
+                         probe_file(before) != probe_file(after) || before.lamps.empty() != after.lamps.empty() ||
+                         lit_by_lamps_alone(before) != lit_by_lamps_alone(after);
     const bool of_quality =
         before.quality != after.quality || before.reflections != after.reflections || before.bounce != after.bounce ||
         before.sphere_edges != after.sphere_edges || before.occlusion_divisions != after.occlusion_divisions ||
@@ -74,12 +78,13 @@ SceneChange change_between(const Scene& before, const Scene& after) {
         change.materials = change.materials || differs(was, is, &ObjectSettings::material);
         change.reflection = change.reflection || differs(was, is, &ObjectSettings::reflection);
         change.casting = change.casting || differs(was, is, &ObjectSettings::casts_shadow);
+        change.light = change.light || differs(was, is, &ObjectSettings::lights);
     }
     change.surface_picture = before.surface.present != after.surface.present ||
                              before.surface.z_m != after.surface.z_m ||
                              before.effects.vignette != after.effects.vignette ||
                              !std::ranges::equal(holdouts_of(before), holdouts_of(after));
-    change.light = before.probe != after.probe;
+    change.light = change.light || before.probe != after.probe || before.lamps != after.lamps;
     change.surface = before.surface != after.surface;
     change.background = before.background != after.background;
     return change;

@@ -2,6 +2,7 @@
 #include "compositor/scene_objects.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -86,6 +87,7 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
             added.model = &model;
             if (object.material.detail != SurfaceDetail{}) added.pictures = &pictures;
             surfaces.add_object(added);
+            for (const ModelLamp& lamp : model.lamps) model_lamps_.push_back({objects_.size() - 1, lamp});
         }
         if (rays_) rays_->add_object(model, object.material, object.holdout);
         PosedModel posed(model, object.animation.name, object.model.empty() ? scene.path : object.model);
@@ -186,6 +188,30 @@ void SceneObjects::set_ways(const ClipTime& opening, const ClipTime& closing) {
     }
 }
 
+std::vector<LampSettings> SceneObjects::lamps() const {
+    std::vector<LampSettings> lamps;
+    for (const LampOfObject& held : model_lamps_) {
+        const ObjectSettings& settings = objects_[held.object].settings;
+        if (settings.lights == 0 || settings.holdout) continue;
+        Eigen::Matrix4d model_from_node = held.lamp.model_from_node;
+        for (std::size_t i = 0; i < deforming_.size(); ++i) {
+            if (deforming_[i].object == held.object && std::isfinite(poses_[i]))
+                model_from_node = deforming_[i].model.model_from_node(held.lamp.node, poses_[i]);
+        }
+        const Eigen::Matrix4d world_from_node = placed_[held.object] * model_from_node;
+        LampSettings lamp = held.lamp.lamp;
+        lamp.intensity *= settings.lights;
+        lamp.position_m = world_from_node.topRightCorner<3, 1>();
+        // A light is not scaled with its node, says the extension: only turned. Flattened to nothing it shines nowhere.
+        const Eigen::Vector3d forward = -world_from_node.col(2).head<3>();
+        if (!(forward.norm() > 0) || !lamp.position_m.allFinite()) continue;
+        lamp.direction = forward.normalized();
+        lamp.in_footage = false;
+        lamps.push_back(lamp);
+    }
+    return lamps;
+}
+
 void SceneObjects::place_rays() {
     if (rays_) rays_->place(placed_);
 }
@@ -202,7 +228,9 @@ PlacementChange SceneObjects::change_since_lit() const {
         if (i < lit_.size() && placed_[i] == lit_[i] && !is_posed_otherwise(i)) continue;
         change.any = true;
         const ObjectSettings& moved = objects_[i].settings;
-        change.casters = change.casters || (moved.casts_shadow && !moved.holdout);
+        const bool shines = std::ranges::any_of(
+            model_lamps_, [&](const LampOfObject& held) { return held.object == i && moved.lights > 0; });
+        change.casters = change.casters || (moved.casts_shadow && !moved.holdout) || shines;
     }
     return change;
 }

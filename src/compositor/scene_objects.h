@@ -45,6 +45,10 @@ public:
     /// Other placements of the same objects, as they stand at `time`. Throws InputError.
     void set_scene(const Scene& scene, const Solve& solve, const ClipTime& time);
 
+    /// The analytic lights of all models, as they stand now, in the world and in probe units.
+    std::vector<LampSettings> lamps() const;
+    bool any_lamps() const { return !model_lamps_.empty(); }
+
     bool any_moves() const { return !moving_.empty(); }
     /// Puts every object that moves where it is at `time`.
     void place(const ClipTime& time);
@@ -73,6 +77,10 @@ private:
         PosedModel model;
     };
     bool is_moving(std::size_t object) const { return moves(objects_[object].settings) || deforms(object); }
+    struct LampOfObject {
+        std::size_t object = 0;
+        ModelLamp lamp;
+    };
     const std::vector<ModelMesh>& meshes_at(Deforming& deforming, const ClipTime& time) const;
     void deform(const ClipTime& time);
     void place_rays();
@@ -86,6 +94,7 @@ private:
     std::vector<Eigen::Matrix4d> placed_;  // one an object
     std::vector<Eigen::Matrix4d> lit_;
     std::vector<Deforming> deforming_;
+    std::vector<LampOfObject> model_lamps_;
     std::vector<double> poses_, lit_poses_;  // their animations' times as placed_ and lit_ are; NaN: none yet
 };
 

@@ -225,7 +225,8 @@ ResolvedLayer CompositePass::add_resolved_layer(RenderGraph& graph, const Compos
 GraphTexture CompositePass::add_shadow_ratio(RenderGraph& graph, const CompositeInput& input, const Region& region) {
     return graph.add_pass(
         {.name = "shadow", .writes = {GL_RGBA32F}, .region = region, .draw = [this, input](PassRun& run) {
-             Program& program = shaders_.full_screen("composite/shadow_ratio.frag");
+             Program& program = shaders_.full_screen(
+                 "composite/shadow_ratio.frag", input.shadow != nullptr ? input.shadow->defines() : ShaderDefines{});
              program.use();
              set_surface(program, input);
              run.draw(program);
@@ -261,6 +262,7 @@ CompositePicture CompositePass::add(RenderGraph& graph, const CompositeInput& in
     }
     ShaderDefines defines = layer_defines(input);
     if (unclipped) defines["UNCLIPPED"] = "1";
+    if (input.shadow != nullptr) defines.merge(input.shadow->defines());
     if (blurred.light) defines["BLURRED_LAYER"] = "1";
     if (blurred.shadow) defines["BLURRED_SHADOW"] = "1";
     if (blurred.coverage) defines["CHANNEL_COVERAGE"] = "1";

@@ -146,8 +146,11 @@ void SphereSets::cast(std::size_t set, const Eigen::Matrix4d& world_from_model, 
     const SphereRays rays(cast.view, world_from_model);
     const std::vector<ShaderStage> stages{{GL_VERTEX_SHADER, "spheres/sphere.vert"},
                                           {GL_FRAGMENT_SHADER, cast.fragment}};
-    Program& points = shaders_.program(stages, {{"SPHERES", "1"}, {"PARALLEL", "1"}});
-    Program& triangles = shaders_.program(stages, {{"SPHERES", "1"}, {"PARALLEL", "1"}, {"TRIANGLES", "1"}});
+    ShaderDefines defines{{"SPHERES", "1"}};
+    if (cast.view.is_parallel) defines["PARALLEL"] = "1";
+    Program& points = shaders_.program(stages, defines);
+    defines["TRIANGLES"] = "1";
+    Program& triangles = shaders_.program(stages, defines);
     for (Program* program : {&points, &triangles}) {
         program->use();
         rays.set(*program);

@@ -36,9 +36,9 @@ struct SeenSpheres {
     const Texture2D* depth_share = nullptr;  // near_m / z
 };
 
-/// Parallel projections into whatever is bound, with the state that is set.
+/// A projection into whatever is bound, with the state that is set.
 struct SphereCast {
-    SphereProjection view;                 // parallel
+    SphereProjection view;
     std::string fragment;                  // a shader that includes spheres/meet.glsl
     std::function<void(Program&)> set_up;  // its other uniforms; may be empty
     const Texture2D* depth = nullptr;  // the depth buffer that is bound: hidden spheres are passed over; may be null
@@ -72,7 +72,7 @@ public:
         const Texture2D* peeled = nullptr;     // of the layer before: spheres before it are passed over; null: none is
     };
     void draw_each(const EachDraw& drawn);
-    /// Draws a set along parallel rays.
+    /// Draws a set along a light's rays.
     void cast(std::size_t set, const Eigen::Matrix4d& world_from_model, const SphereCast& cast);
 
     SphereVisibility visibility;  // for what is drawn from now on

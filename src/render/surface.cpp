@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "render/outlines.h"
 #include "render/surface_object.h"
 #include "render/surface_targets.h"
 
@@ -17,7 +18,8 @@ SurfaceRenderer::SurfaceRenderer(ShaderLibrary& shaders)
       holdout_targets_(std::make_unique<Targets>()),
       peeling_(shaders),
       blending_(shaders),
-      sphere_edges_(shaders) {}
+      sphere_edges_(shaders),
+      outlines_(std::make_unique<ObjectOutlines>(shaders)) {}
 SurfaceRenderer::~SurfaceRenderer() = default;
 
 std::size_t SurfaceRenderer::add_object(const SurfaceObject& object) {

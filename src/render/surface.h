@@ -25,6 +25,7 @@ namespace matchlight {
 
 struct SurfaceMaterial;
 struct SurfacePictures;
+class ObjectOutlines;
 
 /// An object that is seen from elsewhere than the rest, with the same depths.
 struct ObjectView {
@@ -66,6 +67,7 @@ struct SurfaceView {
     Eigen::Matrix4d clip_from_world = Eigen::Matrix4d::Identity();
     Eigen::Vector3d eye_world_m = Eigen::Vector3d::Zero();
     int width = 0, height = 0;  // pixels of the picture (of the supersampled one, if it is)
+    double density = 1;         // pixels along a plate pixel, which outlines are measured in
     int samples = 4;            // a pixel, for edges; 1 is none; more than the driver has becomes what it has
     std::span<const ObjectView> apart = {};
     std::optional<SurfaceLens> lens = {};  // of draws without multisampling
@@ -133,9 +135,11 @@ struct SurfaceObject {
 /// from `first_free_unit` are theirs. Empty: no real surface, no shadow.
 struct SurfaceShading {
     std::function<void(Program&)> bind;
-    bool shows_surface = false;  // reflections show the surface's picture: also those of common/near_light.glsl
-    bool traces_rays = false;    // reflections meet objects: also those of common/object_light.glsl
-    bool pairs_maps = false;     // that shade spheres: opposite directions share one
+    bool shows_surface = false;     // reflections show the surface's picture: also those of common/near_light.glsl
+    bool traces_rays = false;       // reflections meet objects: also those of common/object_light.glsl
+    bool pairs_maps = false;        // that shade spheres: opposite directions share one
+    bool fades_with_depth = false;  // also those of surface/depth_cue.glsl
+    bool has_lamps = false;         // also those of common/lamps.glsl and common/lamp_shadow.glsl
     static constexpr GLuint first_free_unit = 8;
     /// Of the maps that shade spheres, which keep no light at vertices: the uniforms of
     /// effects/object_shadow/object_shadow.glsl, where `objects_shade` is set; two units.
@@ -252,6 +256,8 @@ public:
     /// Draws the geometry of shadow casters with the caller's program and state: position at attribute 0, uniform
     /// `world_from_model` set for each object. Blended meshes whose alpha is below a half cast none.
     void draw_shadow_casters(Program& program) const;
+    /// Whether rays meet the meshes that cast shadows and no others.
+    bool rays_meet_all_casters() const;
     /// Casts the sets of spheres that cast shadows.
     void cast_shadow_spheres(const SphereCast& cast) const;
     /// The same of holdouts.
@@ -307,6 +313,7 @@ private:
     std::vector<PlacedSpheres> placed_spheres(const SurfaceView& view,
                                               const std::function<bool(const Object&)>& of) const;
     bool any_spheres_blend() const;
+    bool has_classic_spheres() const;
     bool any_halos() const;
     /// Whether blended meshes are put together with spheres, or with each other where their boxes meet, in the order of
     /// each pixel, and not in that of their middles.
@@ -331,6 +338,8 @@ private:
     /// Mixes pixels of what draw() drew where the spheres that it saw have their edges.
     void soften_sphere_edges(const SurfaceView& view, const Texture2D& depth);
     bool softens_sphere_edges(const SurfaceView& view) const;
+    /// Draws the edges of objects that have outlines over what draw() drew.
+    void draw_outlines(const SurfaceView& view);
     bool casts_spheres(const Object& object) const;
     Eigen::AlignedBox3d sphere_bounds_m(const Object& object) const;
     /// What stands for real things, before all that is virtual; `program` as in draw_objects().
@@ -355,6 +364,7 @@ private:
     SpherePeeling peeling_;
     SphereBlending blending_;
     SphereEdges sphere_edges_;
+    std::unique_ptr<ObjectOutlines> outlines_;
     double peeling_residual_ = 1.0 / 255 / 64;  // half a code in the darkest part of the sRGB curve, and less elsewhere
     int most_peeled_layers_ = 4096;
     TransparencyMethod transparency_ = TransparencyMethod::lists;

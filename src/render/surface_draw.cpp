@@ -236,6 +236,8 @@ ShaderDefines SurfaceRenderer::light_defines(const SurfaceView& view, const Surf
     if (shading.shows_surface) defines["PLANE"] = "1";
     if (shading.traces_rays) defines["RAYS"] = "1";
     if (shading.pairs_maps) defines["PAIRED_MAPS"] = "1";
+    if (shading.has_lamps) defines["LAMPS"] = "1";
+    if (shading.fades_with_depth) defines["DEPTH_CUE"] = "1";
     return defines;
 }
 
@@ -268,11 +270,19 @@ SurfaceRenderer::Programs SurfaceRenderer::light_programs(const Environment& env
         set_light(program, environment, view, shading);
     };
     Programs of_light = programs(fragment, defines, set_up);
+    if (of_light.spheres != nullptr && shading.has_lamps && has_classic_spheres()) {
+        ShaderDefines with_classic = defines;
+        for (const char* define : {"SPHERES", "CLASSIC_SHADING"}) with_classic[define] = "1";
+        of_light.spheres = &shaders_.full_screen(fragment, with_classic);
+        of_light.spheres->use();
+        set_up(*of_light.spheres);
+    }
     // Compiled and set up when the first mesh needs it.
     of_light.of_material = [this, fragment, defines, set_up, ready = std::vector<const Program*>()](
                                const SurfaceMaterial& material) mutable -> Program& {
         ShaderDefines with_material = defines;
         with_material.insert(material.defines.begin(), material.defines.end());
+        if (!with_material.contains("LAMPS")) with_material.erase("CLASSIC_SHADING");  // it has nothing to shade by
         Program& program = shaders_.program(
             {{GL_VERTEX_SHADER, "surface/surface.vert"}, {GL_FRAGMENT_SHADER, fragment}}, with_material);
         if (std::ranges::find(ready, &program) == ready.end()) {
@@ -331,6 +341,7 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
             soften_sphere_edges(view, targets_->edge_depth);
         }
     }
+    draw_outlines(view);
     return {.width = view.width,
             .height = view.height,
             .color = &targets_->color,

@@ -54,6 +54,7 @@ void SurfaceMaterial::bind(Program& program) const {
     program.set("classic_diffuse", classic_diffuse);
     program.set("classic_specular", classic_specular);
     program.set("is_classic", is_classic);
+    bind_shading(program);
     bind_layers(program, layer_unit);
     if (overlay != nullptr) overlay->bind(program);
     if (!defines.contains("UV_MAPPINGS")) return;
@@ -67,6 +68,20 @@ void SurfaceMaterial::bind(Program& program) const {
     }
     program.set("uv_rows", std::span<const Eigen::Vector3f>(rows));
     program.set("slots_of_second_uv", of_second);
+}
+
+void SurfaceMaterial::bind_shading(Program& program) const {
+    program.set("shading_model", static_cast<int>(shading.model));
+    if (shading.model == ShadingModel::physical) return;
+    const auto vector = [](const std::array<double, 3>& color) {
+        return Eigen::Vector3f(Eigen::Vector3d(color.data()).cast<float>());
+    };
+    program.set("shininess", shading.shininess);
+    program.set("tones", shading.tones);
+    program.set("cool_color", vector(shading.cool));
+    program.set("warm_color", vector(shading.warm));
+    program.set("cool_warm_share",
+                Eigen::Vector2f(Eigen::Vector2d(shading.cool_share, shading.warm_share).cast<float>()));
 }
 
 void SurfaceMaterial::bind_layers(Program& program, GLuint free_unit) const {
@@ -235,7 +250,14 @@ SurfaceMaterial surface_material(const ModelMaterial& material, const MaterialOv
     for (std::size_t i = 0; i < material_slots; ++i) {
         result.textures[i] = texture_of(factors.textures[i].index, is_color(static_cast<MaterialSlot>(i)));
     }
+    result.shading = chosen.shading;
     result.defines = defines_of(factors);
+    if (chosen.shading.model != ShadingModel::physical) {
+        // Nothing lies over the drawing, and it lets nothing through.
+        for (const char* layer : {"COAT", "SHEEN", "SPECULAR", "ANISOTROPY", "TRANSMISSION", "UNLIT"})
+            result.defines.erase(layer);
+        result.defines["CLASSIC_SHADING"] = "1";
+    }
     const Eigen::Vector3f base(factors.base_color.data());
     constexpr float dielectric_reflectance = 0.04F;  // glTF 2.0, appendix B
     const Eigen::Vector3f reflectance =

@@ -24,6 +24,7 @@ struct SurfaceMaterial {
     Eigen::Vector3f classic_specular = Eigen::Vector3f::Zero();  // Ks
     const Texture2D* sheen_table = nullptr;                      // where there is sheen
     const SurfaceOverlay* overlay = nullptr;                     // of the scene; null: nothing
+    ClassicShading shading;
     bool is_classic = false;  // Od or Ks was chosen; reflection by sphere map is classic all the same
 
     /// Share of white light that it sends back, diffuse and mirrored together, by its factors.
@@ -39,6 +40,7 @@ struct SurfaceMaterial {
     static constexpr GLuint first_layer_unit = 25;
 
 private:
+    void bind_shading(Program& program) const;
     void bind_layers(Program& program, GLuint free_unit) const;
 };
 

@@ -45,6 +45,18 @@ Eigen::AlignedBox3d SurfaceRenderer::real_caster_bounds_m() const {
     return caster_bounds_m(true);
 }
 
+bool SurfaceRenderer::rays_meet_all_casters() const {
+    return std::ranges::all_of(objects_, [](const Object& object) {
+        return object.is_holdout || std::ranges::all_of(object.meshes, [&](const Mesh& mesh) {
+                   constexpr float clear = 0.5F;  // as RayScene has it
+                   const SurfaceMaterial& material = object.material_of(mesh);
+                   const bool lets_light_through =
+                       material.blends() || (material.transmits() && material.factors.transmission->strength > clear);
+                   return object.casts(mesh) == !lets_light_through;
+               });
+    });
+}
+
 void SurfaceRenderer::draw_casters(Program& program, bool real) const {
     program.use();
     for (const Object& object : objects_) {

@@ -275,6 +275,12 @@ void SurfaceRenderer::draw_seen_spheres(Program& program, const SurfaceView& vie
     }
 }
 
+bool SurfaceRenderer::has_classic_spheres() const {
+    return std::ranges::any_of(objects_, [](const Object& object) {
+        return object.is_spheres() && object.materials.front().shading.model != ShadingModel::physical;
+    });
+}
+
 bool SurfaceRenderer::softens_sphere_edges(const SurfaceView& view) const {
     return view.sphere_edge_places > 1 && std::ranges::any_of(objects_, [](const Object& object) {
                return object.is_spheres() && !object.has_blending_spheres();

@@ -36,6 +36,10 @@ std::optional<Experiment> table_reflection_experiment(const SceneStage& stage, c
 std::optional<Experiment> lamp_on_table_experiment(const SceneStage& stage, const ExperimentOptions& options);
 /// The shadow of a virtual box on a real one: directions.
 std::optional<Experiment> holdout_shadow_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// Analytic lights, classic shading and depth cueing against double precision, in small scenes of their own.
+std::optional<Experiment> lamp_shadow_experiment(const SceneStage& stage, const ExperimentOptions& options);
+std::optional<Experiment> classic_shading_experiment(const SceneStage& stage, const ExperimentOptions& options);
+std::optional<Experiment> depth_cue_experiment(const SceneStage& stage, const ExperimentOptions& options);
 /// What a glossy surface shows of it: lookups of the rough levels.
 std::optional<Experiment> glossy_experiment(const SceneStage& stage, const ExperimentOptions& options);
 

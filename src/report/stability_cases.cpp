@@ -43,7 +43,7 @@ std::vector<StabilityCase> stability_cases(bool quick) {
     for (const auto& more :
          {probe_cases(), light_cases(), wave_glare_cases(), defocus_cases(), depth_of_field_cases(),
           motion_blur_cases(), frame_cases(), tag_pose_cases(quick), exposure_cases(), ball_cases(quick),
-          surface_picture_cases(), sphere_cases(), near_light_cases(), surface_detail_cases()})
+          surface_picture_cases(), sphere_cases(), near_light_cases(), surface_detail_cases(), lamp_cases()})
         all.insert(all.end(), more.begin(), more.end());
     return all;
 }

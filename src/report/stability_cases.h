@@ -67,6 +67,8 @@ std::vector<StabilityCase> sphere_cases();
 std::vector<StabilityCase> near_light_cases();
 /// Relief and patterns on surfaces: likewise.
 std::vector<StabilityCase> surface_detail_cases();
+/// Analytic lights: likewise.
+std::vector<StabilityCase> lamp_cases();
 /// All of them; `quick` leaves out most of the slow ones.
 std::vector<StabilityCase> stability_cases(bool quick = false);
 

@@ -89,6 +89,7 @@ public:
         add_node(*scene_.mRootNode, world_from_file);
         report();
         if (!bindings_.empty()) rest_in_pose(model_, *checked_.rig, std::move(bindings_));
+        model_.lamps = checked_.lamps;
         model_.update_bounds();
         return std::move(model_);
     }

@@ -59,6 +59,7 @@ struct CheckedModel {
     std::vector<TextureSource> textures;
     std::vector<CheckedMaterial> materials = {};  // of glTF: "material-0", "material-1", … in the file
     std::shared_ptr<const CheckedRig> rig = {};   // null: nothing moves
+    std::vector<ModelLamp> lamps = {};
 };
 
 // Each reads one format and throws InputError for everything a loader should not see: truncated files, counts beyond

@@ -101,6 +101,8 @@ const std::vector<SceneSection>& effect_sections() {
          [](Scene& s) { s.effects.chromatic_aberration.emplace(); }},
         {"effects.softness", SectionUse::nested, "What is virtual is as soft as the footage.",
          [](Scene& s) { s.effects.softness.emplace(); }},
+        {"effects.depth_cue", SectionUse::nested, "What is virtual fades to a colour with its distance.",
+         [](Scene& s) { s.effects.depth_cue.emplace(); }},
         {"effects.vignette", SectionUse::nested, "Light falls off towards the corners.",
          [](Scene& s) { s.effects.vignette.emplace(); }},
     };
@@ -164,6 +166,8 @@ std::vector<Setting> all_effect_settings() {
          "the lens displaces red and blue of what is virtual; the solve does not know it: give it by hand", nullptr},
         {"effects", "softness", of_kind(effect), "", "\"off\"",
          "what is virtual blurs as the footage's codec and resampling do", nullptr},
+        {"effects", "depth_cue", of_kind(effect), "", "\"off\"",
+         "what is virtual fades to a colour between two distances from the camera", nullptr},
 
         {"effects.bloom", "level", one_of({"classic", "pyramid", "reference"}), "", "\"pyramid\"", "how it is computed",
          [](Scene& s, const SettingValue& v) { s.effects.bloom->level = static_cast<BloomLevel>(v.choice); }},
@@ -180,6 +184,15 @@ std::vector<Setting> all_effect_settings() {
         {"effects.bloom", "firefly_safe", of_kind(boolean), "", "true",
          "a very bright pixel that stands alone is held back; not at the level classic",
          [](Scene& s, const SettingValue& v) { s.effects.bloom->firefly_safe = v.boolean; }},
+
+        {"effects.depth_cue", "near", between(number, 0, 1e6), "m", "1", "along the camera's z: it fades from here",
+         [](Scene& s, const SettingValue& v) { s.effects.depth_cue->near_m = v.number; }},
+        {"effects.depth_cue", "far", between(number, 0, 1e6), "m", "10", "to here, evenly",
+         [](Scene& s, const SettingValue& v) { s.effects.depth_cue->far_m = v.number; }},
+        {"effects.depth_cue", "color", between(color, 0, 1e6), "probe units", "[0, 0, 0]", "to this radiance",
+         [](Scene& s, const SettingValue& v) { s.effects.depth_cue->color = color_of(v); }},
+        {"effects.depth_cue", "strength", between(number, 0, 1), "", "1", "share of that colour at the far distance",
+         [](Scene& s, const SettingValue& v) { s.effects.depth_cue->strength = v.number; }},
 
         {"effects.dazzle", "strength", between(number, 0, 1000), "", "1", "times what objects send to bloom and glare",
          [](Scene& s, const SettingValue& v) { s.effects.dazzle->strength = v.number; }},

@@ -17,6 +17,14 @@ void check_range(const char* name, double value, double lowest, double highest) 
 
 }  // namespace
 
+void DepthCueSettings::check() const {
+    check_range("depth_cue near", near_m, 0, 1e6);
+    check_range("depth_cue far", far_m, 0, 1e6);
+    check_range("depth_cue strength", strength, 0, 1);
+    if (!(far_m > near_m))
+        throw std::invalid_argument(fmt::format("depth_cue far is {}, not beyond near, {}", far_m, near_m));
+}
+
 void BloomSettings::check() const {
     check_range("bloom threshold", threshold, 0, 1e6);
     check_range("bloom knee", knee, 0, 1);

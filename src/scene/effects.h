@@ -201,6 +201,17 @@ struct SoftnessSettings {
     bool operator==(const SoftnessSettings&) const = default;
 };
 
+/// What is virtual fades to a colour with its distance from the camera (the depth cueing of PHIGS and of OpenGL's
+/// linear fog).
+struct DepthCueSettings {
+    double near_m = 1, far_m = 10;            // along the camera's z: from where it fades, and to where
+    std::array<double, 3> color = {0, 0, 0};  // scene-linear, probe units
+    double strength = 1;                      // share of the colour at the far distance
+
+    void check() const;
+    bool operator==(const DepthCueSettings&) const = default;
+};
+
 struct EffectSettings {
     std::optional<BloomSettings> bloom;
     std::optional<GlareSettings> glare;
@@ -211,6 +222,7 @@ struct EffectSettings {
     std::optional<GrainSettings> grain;
     std::optional<ChromaticAberrationSettings> chromatic_aberration;
     std::optional<SoftnessSettings> softness;
+    std::optional<DepthCueSettings> depth_cue;
     std::optional<VignetteSettings> vignette = VignetteSettings{};  // nullopt: off
 
     bool operator==(const EffectSettings&) const = default;

@@ -13,6 +13,7 @@
 #include "core/memory.h"
 #include "scene/checked_model.h"
 #include "scene/gltf_accessors.h"
+#include "scene/gltf_lights.h"
 #include "scene/gltf_materials.h"
 #include "scene/gltf_rig.h"
 
@@ -30,7 +31,7 @@ const std::set<std::string> understood_extensions = {"KHR_mesh_quantization",   
                                                      "KHR_materials_clearcoat",  "KHR_materials_sheen",
                                                      "KHR_materials_specular",   "KHR_materials_ior",
                                                      "KHR_materials_anisotropy", "KHR_materials_transmission",
-                                                     "KHR_materials_volume"};
+                                                     "KHR_materials_volume",     "KHR_lights_punctual"};
 
 class GltfChecker {
 public:
@@ -51,6 +52,7 @@ public:
         for (std::size_t i = 0; i < checked_.materials.size(); ++i) {
             clean_["materials"].push_back({{"name", fmt::format("material-{}", i)}});
         }
+        checked_.lamps = read_gltf_lights(document_);
         add_buffers();
         // For what depends on the model's contents.
         std::string materials;

@@ -15,6 +15,7 @@
 #include "core/content_hash.h"
 #include "core/image.h"
 #include "core/warnings.h"
+#include "scene/lamp.h"
 
 namespace matchlight {
 
@@ -146,6 +147,13 @@ struct ModelMesh {
     std::vector<std::array<std::uint32_t, 2>> derived = {};
 };
 
+/// A light of KHR_lights_punctual, as the file has it: candela or lux, about its node, shining along its −z.
+struct ModelLamp {
+    LampSettings lamp;
+    std::size_t node = 0;                                           // in the rig, where there is one
+    Eigen::Matrix4d model_from_node = Eigen::Matrix4d::Identity();  // at rest
+};
+
 struct ModelRig;
 
 struct Model {
@@ -153,6 +161,7 @@ struct Model {
     std::vector<ModelMesh> meshes;
     std::vector<ModelMaterial> materials;
     std::vector<ModelTexture> textures;
+    std::vector<ModelLamp> lamps = {};
     Eigen::AlignedBox3d bounds_m;              // at rest
     std::shared_ptr<const ModelRig> rig = {};  // null: nothing of it can move
 

@@ -264,6 +264,12 @@ double PosedModel::animation_time_s(const AnimationSettings& settings, double cl
     return time_s - duration_s * std::floor(time_s / duration_s);
 }
 
+Eigen::Matrix4d PosedModel::model_from_node(std::size_t node, double animation_time_s) const {
+    Eigen::Matrix4d model_from_file = Eigen::Matrix4d::Identity();
+    model_from_file.topLeftCorner<3, 3>() = world_from_model_axes();
+    return model_from_file * rig_pose(*rig_, animation_, animation_time_s).file_from_node.at(node);
+}
+
 const std::vector<ModelMesh>& PosedModel::at(double animation_time_s) {
     if (posed_at_s_ == animation_time_s) return meshes_;
     const RigPose pose = rig_pose(*rig_, animation_, animation_time_s);

@@ -37,6 +37,8 @@ public:
     bool moves() const { return !moving_.empty(); }
     /// The animation's time at a time of the clip: cyclic, or held at its ends.
     double animation_time_s(const AnimationSettings& settings, double clip_time_s) const;
+    /// Where a node is in the model's own axes, z up.
+    Eigen::Matrix4d model_from_node(std::size_t node, double animation_time_s) const;
     /// All meshes of the model, posed where they move; what they need besides vertices is as in the model.
     const std::vector<ModelMesh>& at(double animation_time_s);
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "scene/lamp_schema.h"
 #include "scene/scene_edit.h"
 #include "scene/scene_schema.h"
 #include "scene/setting_reader.h"
@@ -47,7 +48,7 @@ public:
         check_color(root);
         check_exposure(root);
         check_focus(root);
-        check_vignette(root);
+        check_effects(root);
         scene_.effective_toml = std::move(effective_);
         return std::move(scene_);
     }
@@ -61,7 +62,7 @@ private:
     std::optional<std::string> read_value(const Setting& setting, const toml::node& node);
     void check_keys(const SceneSection& section, const toml::table& table);
 
-    const toml::table& light_of(const toml::node& node);
+    void read_lights(const SceneSection& probe_section, const toml::array& lights);
     void check_tag(const toml::table& table);
     void check_object(const toml::table& table);
     void check_spheres(const toml::table& table);
@@ -71,7 +72,7 @@ private:
     void check_color(const toml::table& root);
     void check_exposure(const toml::table& root);
     void check_focus(const toml::table& root);
-    void check_vignette(const toml::table& root);
+    void check_effects(const toml::table& root);
 
     void append(std::string_view header, const std::vector<std::string>& lines) {
         if (!effective_.empty()) effective_ += "\n";
@@ -95,10 +96,14 @@ void SceneReader::check_sections(const toml::table& root) {
             source_.fail(key, fmt::format("unknown section '{}'", std::string_view(key)),
                          fmt::format("did you mean '{}'?", nearest_word(key, known)));
         }
+        if (section->name == "light" && node.is_table() && node.as_table()->contains("type")) {
+            source_.fail(*node.as_table()->get("type"), "[light] is the probe alone, and has no type",
+                         "write [[light]] for an analytic light");
+        }
         // Before any value is read: a misspelt key is why another one is missing.
         for_each_table(node, [&](const toml::table& table) {
-            const bool is_analytic_light = section->name == "light" && table.contains("type");
-            if (!is_analytic_light) check_keys(*section, table);
+            const bool is_lamp = section->name == "light" && node.is_array() && !table.contains("probe");
+            check_keys(is_lamp ? *find_section(lamp_section) : *section, table);
         });
     }
 }
@@ -145,31 +150,27 @@ void SceneReader::read_section_of_root(const toml::table& root, const SceneSecti
         static const toml::table no_surface{{"enabled", false}};
         table = &no_surface;
     }
-    if (section.name == "light") table = &light_of(*node);
+    if (section.name == "light" && node->is_array()) return read_lights(section, *node->as_array());
     if (table == nullptr) source_.fail(*node, fmt::format("[{}] is a table of settings", section.name));
     append(fmt::format("[{}]", section.name), read_table(section, *table));
 }
 
-/// [light], or the one entry of [[light]] that holds a probe.
-const toml::table& SceneReader::light_of(const toml::node& node) {
-    if (const toml::table* table = node.as_table()) {
-        if (const toml::node* type = table->get("type")) {
-            source_.fail(*type, "[light] with a type: this version has no analytic lights",
-                         "light the scene by a probe");
-        }
-        return *table;
-    }
-    const toml::array* array = node.as_array();
-    if (array == nullptr || array->empty()) source_.fail(node, "[light] is a table of settings");
-    for (const toml::node& item : *array) {
+/// The lamps and, at most once, a probe.
+void SceneReader::read_lights(const SceneSection& probe_section, const toml::array& lights) {
+    if (lights.empty()) source_.fail(lights, "[light] is a table of settings");
+    for (const toml::node& item : lights) {
         const toml::table* table = item.as_table();
         if (table == nullptr) source_.fail(item, "[[light]] is a table of settings");
-        if (!table->contains("probe")) {
-            source_.fail(item, "[[light]]: this version has no analytic lights", "light the scene by [light] probe");
-        }
+        if (table->contains("probe") && scene_.probe) source_.fail(item, "[[light]]: a scene has one probe");
+        const bool is_lamp = !table->contains("probe");
+        append("[[light]]", read_table(is_lamp ? *find_section(lamp_section) : probe_section, *table));
+        if (is_lamp) check_lamp(source_, scene_.lamps.back(), *table);
     }
-    if (array->size() > 1) source_.fail((*array)[1], "[[light]]: a scene has one probe");
-    return *(*array)[0].as_table();
+    if (scene_.lamps.size() > most_lamps) {
+        source_.fail(lights, fmt::format("the scene has {} analytic lights, and {} are the most", scene_.lamps.size(),
+                                         most_lamps));
+    }
+    for (LampSettings& lamp : scene_.lamps) lamp.in_footage = lamp.in_footage.value_or(!scene_.probe);
 }
 
 void SceneReader::check_keys(const SceneSection& section, const toml::table& table) {
@@ -189,7 +190,7 @@ void SceneReader::check_keys(const SceneSection& section, const toml::table& tab
         for (const Setting& setting : scene_settings()) {
             if (setting.key == word) cure = fmt::format("it belongs in [{}]", setting.section);
         }
-        source_.fail(key, fmt::format("unknown key '{}' in [{}]", word, section.name), cure);
+        source_.fail(key, fmt::format("unknown key '{}' in [{}]", word, written_section(section.name)), cure);
     }
 }
 
@@ -203,7 +204,8 @@ std::vector<std::string> SceneReader::read_table(const SceneSection& section, co
             if (const auto text = read_value(setting, *node))
                 lines.push_back(fmt::format("{} = {}", setting.key, *text));
         } else if (setting.fallback == must_be_given) {
-            source_.fail(table, fmt::format("'{}' is missing in [{}]: {}", setting.key, section.name, setting.help));
+            source_.fail(table, fmt::format("'{}' is missing in [{}]: {}", setting.key, written_section(section.name),
+                                            setting.help));
         } else if (!setting.fallback.empty()) {
             const toml::table fallback = toml::parse(fmt::format("value = {}", setting.fallback));
             if (setting.domain.kind == SettingKind::effect) {
@@ -452,14 +454,19 @@ void SceneReader::check_color(const toml::table& root) {
     }
 }
 
-void SceneReader::check_vignette(const toml::table& root) {
-    const toml::node* node = root["effects"]["vignette"].node();
-    if (node == nullptr || !scene_.effects.vignette) return;
-    try {
-        scene_.effects.vignette->check();
-    } catch (const std::invalid_argument& error) {
-        source_.fail(*node, fmt::format("'vignette' in [effects]: {}", error.what()), "give smaller v1 or v2");
-    }
+/// What each effect says of its settings together.
+void SceneReader::check_effects(const toml::table& root) {
+    const auto check = [&](const char* key, const auto& settings, const char* cure) {
+        const toml::node* node = root["effects"][key].node();
+        if (node == nullptr || !settings) return;
+        try {
+            settings->check();
+        } catch (const std::invalid_argument& error) {
+            source_.fail(*node, fmt::format("'{}' in [effects]: {}", key, error.what()), cure);
+        }
+    };
+    check("vignette", scene_.effects.vignette, "give smaller v1 or v2");
+    check("depth_cue", scene_.effects.depth_cue, "give a far distance beyond the near one");
 }
 
 }  // namespace

@@ -14,7 +14,9 @@
 #include "core/transforms.h"
 #include "core/warnings.h"
 #include "lighting/probe.h"
+#include "scene/classic_shading.h"
 #include "scene/effects.h"
+#include "scene/lamp.h"
 #include "scene/surface_detail.h"
 #include "scene/virtual_camera.h"
 
@@ -85,6 +87,7 @@ struct MaterialOverride {
     std::optional<std::array<double, 3>> diffuse;   // Od of the classic model
     std::optional<std::array<double, 3>> specular;  // Ks of the classic model
     SurfaceDetail detail;
+    ClassicShading shading;
 
     bool operator==(const MaterialOverride&) const = default;
 };
@@ -170,6 +173,7 @@ struct ObjectSettings {
     std::optional<int> parent_tag;  // coordinates are that tag's instead of the world's
     ReflectionForm reflection = ReflectionForm::cube;
     bool casts_shadow = true;
+    double lights = 1;     // of the model's own analytic lights: probe units a candela or a lux; 0: none
     bool holdout = false;  // it stands for a real thing: never drawn, it hides what is behind it
     std::optional<FocusOverride> focus;
     MaterialOverride material;
@@ -214,6 +218,7 @@ struct Scene {
     BackgroundSettings background;
     TagSettings tags;
     std::optional<ProbeSettings> probe;
+    std::vector<LampSettings> lamps;
     std::vector<ObjectSettings> objects;
     SurfaceSettings surface;
     EffectSettings effects;
@@ -229,6 +234,10 @@ struct Scene {
     OutputSettings output;
     std::string effective_toml;  // every setting with its value, defaults included: recorded in outputs
 };
+
+/// Whether there is no light but that of analytic lights: no probe, and lamps that are the footage's own, or no
+/// footage.
+bool lit_by_lamps_alone(const Scene& scene);
 
 /// The settings of a scene file as Markdown tables, from the table that also checks them: `render --help-scene` and the
 /// README print it.

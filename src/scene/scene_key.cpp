@@ -25,9 +25,18 @@ Found follow(const toml::table& table, const SceneKeyStep& step, bool is_last) {
     const toml::node* node = table.get(step.name);
     const toml::array* list = node != nullptr ? node->as_array() : nullptr;
     if (list == nullptr) return {.node = step.index ? nullptr : node};
-    const bool stands_for_table = !step.index && !is_last && list->size() == 1;
+    const auto with_probe = [&]() -> std::optional<std::size_t> {
+        for (std::size_t i = 0; i < list->size(); ++i) {
+            const toml::table* entry = (*list)[i].as_table();
+            if (entry != nullptr && entry->contains("probe")) return i;
+        }
+        return std::nullopt;
+    };
+    std::optional<std::size_t> stands_for_table;
+    if (!step.index && !is_last && list->size() == 1) stands_for_table = 0;
+    if (!step.index && !is_last && step.name == "light" && list->size() > 1) stands_for_table = with_probe();
     if (!step.index && !stands_for_table) return {.node = node};
-    const std::size_t index = step.index.value_or(0);
+    const std::size_t index = step.index ? *step.index : *stands_for_table;
     if (index >= list->size()) return {};
     return {.node = &(*list)[index], .list = list, .index = index};
 }

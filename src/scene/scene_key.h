@@ -24,7 +24,8 @@ struct SceneKeyStep {
 /// Of "object[1].material.roughness": names are letters, digits and '_'.
 std::vector<SceneKeyStep> scene_key_steps(std::string_view key);
 
-/// Where a key is, or where it would be. A list of one table stands for the table where no index is given ([[light]]).
+/// Where a key is, or where it would be. Where no index is given a list of one table stands for the table, and
+/// [[light]] for its entry that has a probe.
 struct PlaceOfKey {
     const toml::node* node =
         nullptr;                     // the value; or, where names are missing, a word in the place of a table; or null

@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include "scene/camera_schema.h"
+#include "scene/classic_schema.h"
 #include "scene/effect_schema.h"
+#include "scene/lamp_schema.h"
 #include "scene/object_motion_schema.h"
 #include "scene/setting_domains.h"
 #include "scene/sphere_schema.h"
@@ -37,6 +39,11 @@ const std::vector<SceneSection> footage_sections = {
 
 const std::vector<SceneSection> shot_sections = {
     {"light", SectionUse::optional, "The light probe.", [](Scene& s) { s.probe.emplace(); }},
+    {lamp_section, SectionUse::nested,
+     "An analytic light, one `[[light]]` each, beside the probe or instead of it. In a file that has some, the probe "
+     "is "
+     "one of the `[[light]]`, the one without a type.",
+     [](Scene& s) { s.lamps.emplace_back(); }},
     {"object", SectionUse::repeated, "A virtual object, one `[[object]]` each.",
      [](Scene& s) { s.objects.emplace_back(); }},
     {"object.sphere", SectionUse::nested, "How the columns of the file that `spheres` names become spheres.", nullptr},
@@ -170,6 +177,9 @@ const std::vector<Setting> own_settings = {
      [](Scene& s, const SettingValue& v) { s.objects.back().reflection = static_cast<ReflectionForm>(v.choice); }},
     {"object", "casts_shadow", of_kind(boolean), "", "true", "on the surface",
      [](Scene& s, const SettingValue& v) { s.objects.back().casts_shadow = v.boolean; }},
+    {"object", "lights", between(number, 0, 1e9), "probe units", "1",
+     "a candela, or a lux, of the lights in the model's own file (KHR_lights_punctual): they are virtual; 0: none",
+     [](Scene& s, const SettingValue& v) { s.objects.back().lights = v.number; }},
     {"object", "holdout", of_kind(boolean), "", "false",
      "it stands for a real thing in the footage: never drawn, it hides virtual objects behind it and catches their "
      "shadow",
@@ -275,10 +285,13 @@ std::vector<Row> joined(const std::vector<Row>& rows, const std::vector<Row>& mo
 const std::vector<SceneSection> section_table =
     joined(joined(joined(joined(footage_sections, camera_sections()), shot_sections), surface_detail_sections()),
            effect_sections());
-const std::vector<Setting> setting_table = joined(
-    joined(joined(joined(joined(own_settings, surface_detail_settings()), sphere_settings()), object_motion_settings()),
-           effect_settings()),
-    camera_settings());
+const std::vector<Setting> setting_table =
+    joined(joined(joined(joined(joined(joined(joined(own_settings, surface_detail_settings()), classic_settings()),
+                                       lamp_settings()),
+                                sphere_settings()),
+                         object_motion_settings()),
+                  effect_settings()),
+           camera_settings());
 
 std::string_view type_name(SettingKind kind) {
     switch (kind) {
@@ -371,6 +384,10 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
     });
 }
 
+std::string_view written_section(std::string_view name) {
+    return name.ends_with("[]") ? name.substr(0, name.size() - 2) : name;
+}
+
 std::string describe(const SettingDomain& domain) {
     if (domain.kind == choice) return fmt::format("{}", fmt::join(domain.choices, ", "));
     std::string words(type_name(domain.kind));
@@ -385,9 +402,9 @@ std::string describe(const SettingDomain& domain) {
 std::string scene_schema_text() {
     std::string markdown;
     for (const SceneSection& one : section_table) {
-        const bool is_array = one.use == SectionUse::repeated;
-        markdown +=
-            fmt::format("### `{}{}{}`\n\n{}\n\n", is_array ? "[[" : "[", one.name, is_array ? "]]" : "]", one.help);
+        const std::string_view name = written_section(one.name);
+        const bool is_array = one.use == SectionUse::repeated || name != one.name;
+        markdown += fmt::format("### `{}{}{}`\n\n{}\n\n", is_array ? "[[" : "[", name, is_array ? "]]" : "]", one.help);
         markdown += "| key | value | unit | default | meaning |\n|---|---|---|---|---|\n";
         for (const Setting& setting : setting_table) {
             if (setting.section != one.name) continue;

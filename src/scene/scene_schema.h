@@ -93,6 +93,9 @@ std::span<const Setting> scene_settings();
 const SceneSection* find_section(std::string_view name);
 const Setting* find_setting(std::string_view section, std::string_view key);
 
+/// A section's name as a file has it: without what tells one form of its entries from another.
+std::string_view written_section(std::string_view name);
+
 /// What a value of the domain looks like: "number, from 0 to 1".
 std::string describe(const SettingDomain& domain);
 

@@ -22,7 +22,7 @@ std::optional<std::int64_t> line_of(const toml::source_region& region) {
 }
 
 std::string place_name(const Setting& setting) {
-    return fmt::format("'{}' in [{}]", setting.key, setting.section);
+    return fmt::format("'{}' in [{}]", setting.key, written_section(setting.section));
 }
 
 /// A value as an error line can hold it.

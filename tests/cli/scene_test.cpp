@@ -102,7 +102,7 @@ TEST_F(SceneCommand, WrongKeysAndValuesNameTheLine) {
          "= 1}]\n",
          {"scene.toml:5", "tag 0 twice"}},
         {"[[light]]\ntype = \"point\"\n" + scene_with("").substr(0, scene_with("").find("[light]")),
-         {"scene.toml:1", "analytic lights"}},
+         {"scene.toml:1", "'position' is missing in [light]"}},
         {"not toml at all", {"scene.toml:1"}},
     };
     for (const auto& [text, words] : rows) {

@@ -77,16 +77,17 @@ void bounce_between_objects(ShaderLibrary& shaders, const BouncingObjects& objec
                             const BounceLightSettings& settings) {
     settings.check();
     const RayScene::VertexLight& light = objects.rays.light();
-    Program& direct = shaders.compute("effects/bounce_light/direct.comp");
+    Program& direct = shaders.compute("effects/bounce_light/direct.comp", objects.defines);
     direct.use();
     objects.bind_light(direct);
+    objects.rays.bind(direct);
     direct.set("has_visibility", objects.has_visibility);
     light.direct.bind(GL_SHADER_STORAGE_BUFFER, 2);
     objects.surfaces.run_over_vertices(direct);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
     make_radiosity(shaders, objects, false);
     if (settings.rays == 0) return light.bounced.clear();
-    Program& gather = shaders.compute("effects/bounce_light/vertices.comp");
+    Program& gather = shaders.compute("effects/bounce_light/vertices.comp", objects.defines);
     constexpr int least_rays = 4;
     const int affordable = settings.most_rays / static_cast<int>(std::max<std::size_t>(objects.rays.vertex_count(), 1));
     const int rays = std::min(settings.rays, std::max(affordable, least_rays));
@@ -108,7 +109,7 @@ void bounce_to_surface(ShaderLibrary& shaders, const BouncingObjects& objects, C
     const auto points = [&](double side_m) { return std::max(2, static_cast<int>(std::ceil(side_m / point_m))); };
     const int width = points(lit_m.sizes().x()), height = points(lit_m.sizes().y());
     const Texture2D share({.format = GL_RGBA32F, .width = width, .height = height});
-    Program& gather = shaders.compute("effects/bounce_light/surface.comp");
+    Program& gather = shaders.compute("effects/bounce_light/surface.comp", objects.defines);
     gather.use();
     bind(gather, objects, settings);
     gather.set("rectangle_m", as_vector(lit_m));

@@ -35,6 +35,7 @@ struct BouncingObjects {
     RayScene& rays;
     std::function<void(Program&)> bind_light;
     bool has_visibility = false;  // baked at the vertices
+    ShaderDefines defines = {};   // that the shadow on the surface asks for
 };
 
 /// Fills the light at the vertices of `rays`.

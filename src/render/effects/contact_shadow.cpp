@@ -12,6 +12,7 @@
 
 #include "core/transfer.h"
 #include "gl/framebuffer.h"
+#include "render/lamps.h"
 
 namespace matchlight {
 
@@ -64,7 +65,8 @@ Region texels_of(const Eigen::AlignedBox2d& part_m, const Eigen::AlignedBox2d& r
     return Region{low.x(), low.y(), high.x() - low.x(), high.y() - low.y()}.grown(1).intersected({0, 0, width, height});
 }
 
-/// Along the light onto the map, as flatten.vert does it; depth ½ is the surface, more lies above it.
+}  // namespace
+
 SphereProjection flattening_view(const Eigen::Vector3d& to_light, double surface_z_m, double highest_m,
                                  const ShadowMap& map) {
     const Eigen::Vector2d low_m = map.rectangle_m.min(), size_m = map.rectangle_m.sizes();
@@ -85,6 +87,8 @@ SphereProjection flattening_view(const Eigen::Vector3d& to_light, double surface
     view.clip_from_world(2, 3) = 0.5 - per_m * surface_z_m;
     return view;
 }
+
+namespace {
 
 ShadowMap draw_map(ShaderLibrary& shaders, const ShadowCasters& casters, double surface_z_m,
                    std::span<const ShadowLight> lights, const Eigen::AlignedBox2d& rectangle_m, int resolution) {
@@ -172,6 +176,12 @@ void bind_map(Program& program, const ShadowMap& map, const std::string& name, G
 void ContactShadow::bind(Program& program, GLuint first_unit) const {
     bind_map(program, fine, "shadow_fine", first_unit);
     bind_map(program, far, "shadow_far", first_unit + 1);
+    if (!lamps) return;
+    const Eigen::Vector3d reference = lamps->reference();
+    lamps->lamps->bind(program);
+    program.set("lamp_surface_z_m", surface_z_m);
+    program.set("inverse_reference", Eigen::Vector3f(reference.cwiseInverse().cast<float>()));
+    program.set("probe_share", Eigen::Vector3f(lamps->probe_irradiance.cwiseQuotient(reference).cast<float>()));
 }
 
 ContactShadow ContactShadow::copy() const {
@@ -181,7 +191,7 @@ ContactShadow ContactShadow::copy() const {
                            map.loss.width(), map.loss.height(), 1);
         return result;
     };
-    return {.fine = copied(fine), .far = copied(far), .surface_z_m = surface_z_m};
+    return {.fine = copied(fine), .far = copied(far), .surface_z_m = surface_z_m, .lamps = lamps};
 }
 
 Eigen::AlignedBox2d contact_shadow_reach(const Eigen::AlignedBox3d& caster_bounds_m, double surface_z_m,
@@ -231,7 +241,8 @@ std::optional<ContactShadow> make_contact_shadow(ShaderLibrary& shaders, const S
     const double surface_z_m = surface.z_m;
     const std::vector<DirectionalSample>& samples = surface.samples;
     if (casters.bounds_m.isEmpty() || casters.bounds_m.max().z() <= surface_z_m) return std::nullopt;
-    const Eigen::AlignedBox2d reach = contact_shadow_reach(casters.bounds_m, surface_z_m, samples, settings.lost_share);
+    const Eigen::AlignedBox2d reach =
+        contact_shadow_reach(casters.bounds_m, surface_z_m, samples, settings.lost_share).merged(surface.lamp_reach_m);
     if (reach.isEmpty()) return std::nullopt;
 
     // The fine map takes every direction whose whole shadow lies within the casters' height around their feet; the

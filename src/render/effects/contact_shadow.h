@@ -48,6 +48,11 @@ struct ShadowMap {
     Eigen::AlignedBox2d rectangle_m;
 };
 
+/// Along the light onto the map, as effects/contact_shadow/flatten.vert does it; depth ½ is the surface, more lies
+/// above it.
+SphereProjection flattening_view(const Eigen::Vector3d& to_light, double surface_z_m, double highest_m,
+                                 const ShadowMap& map);
+
 /// Marked cells of a grid over a part of the surface.
 class SurfaceCells {
 public:
@@ -93,14 +98,30 @@ private:
     SurfaceCells cells_;
 };
 
+class Lamps;
+
+/// Analytic lights that fall on the surface beside the probe's.
+struct SurfaceLamps {
+    const Lamps* lamps = nullptr;  // outlives it
+    Eigen::Vector3d probe_irradiance = Eigen::Vector3d::Zero();
+
+    /// What the maps' shares are shares of: the probe's light or, in channels where it has none, 1.
+    Eigen::Vector3d reference() const;
+    /// Whether virtual lamps may bring a part of the surface more than `least_share` of the probe's light.
+    bool light(const Eigen::AlignedBox2d& box_m, double surface_z_m, double least_share) const;
+};
+
 /// The whole shadow is the sum of two maps: the fine map holds the steep directions' shadows, close around the casters'
 /// feet, the far map the flat ones', as far as they reach.
 struct ContactShadow {
     ShadowMap fine, far;
     double surface_z_m = 0;
+    std::optional<SurfaceLamps> lamps = {};  // then shaders are compiled with LAMPS
 
     /// Sets the uniforms of effects/contact_shadow/contact_shadow.glsl; takes texture units `first_unit` and the next.
     void bind(Program& program, GLuint first_unit) const;
+    /// What shaders that include contact_shadow.glsl are compiled with for it.
+    ShaderDefines defines() const { return lamps ? ShaderDefines{{"LAMPS", "1"}} : ShaderDefines{}; }
     /// Another with the same contents.
     ContactShadow copy() const;
 };
@@ -112,6 +133,7 @@ struct SurfaceLight {
     /// What it sends back of its light, unshadowed, luminance over that of its irradiance (1/sr): its albedo over π, as
     /// the probe sees it from above. Casters return a part of it; 0 makes them black.
     double radiance_per_irradiance = 0;
+    Eigen::AlignedBox2d lamp_reach_m = {};  // where shadows of analytic lights fall: the maps hold it, too
 };
 /// From a placed probe: the light from above in `directions` strata, and the lower half as the surface's radiance.
 SurfaceLight make_surface_light(const Probe& probe, double z_m, int directions);

@@ -151,7 +151,8 @@ private:
                        .region = target.grown(shared_.taps_reach_),
                        .beyond_frame = true};
         pass.draw = [this_ = *this, texel_px](PassRun& run) {
-            Program& program = this_.shared_.shaders_.full_screen("effects/depth_of_field/surface_loss.frag");
+            Program& program =
+                this_.shared_.shaders_.full_screen("effects/depth_of_field/surface_loss.frag", this_.shadow_defines());
             program.use();
             this_.composite_.set_surface(program, this_.input_.input);
             program.set("texel_px", texel_px);
@@ -171,8 +172,10 @@ private:
                        .beyond_frame = true};
         pass.draw = [this_ = *this, picture, loss](PassRun& run) {
             run.target().clear_color(0, 0, 0, 0, 0);
-            Program& program = this_.shared_.shaders_.full_screen(
-                "effects/depth_of_field/surface_gather.frag", {{"TAPS", std::to_string(this_.shared_.taps_.size())}});
+            ShaderDefines defines = this_.shadow_defines();
+            defines["TAPS"] = std::to_string(this_.shared_.taps_.size());
+            Program& program =
+                this_.shared_.shaders_.full_screen("effects/depth_of_field/surface_gather.frag", defines);
             program.use();
             this_.set_surface(program);
             run.bind(program, "loss", first_unit, loss);
@@ -186,12 +189,18 @@ private:
         return graph_.add_pass(std::move(pass))[0];
     }
 
+    ShaderDefines shadow_defines() const {
+        const ContactShadow* shadow = input_.input.shadow;
+        return shadow != nullptr ? shadow->defines() : ShaderDefines{};
+    }
+
     GraphTexture add_shown(const std::vector<ClassPicture>& classes) {
         GraphPass pass{.name = "surface defocus/shadow", .writes = {GL_RGBA32F}, .region = input_.region};
         for (const ClassPicture& picture : classes) pass.reads.push_back({picture.blurred});
         pass.draw = [this_ = *this, classes](PassRun& run) {
             run.target().clear_color(0, 1, 1, 1, 1);
-            Program& program = this_.shared_.shaders_.full_screen("effects/depth_of_field/surface_shown.frag");
+            Program& program =
+                this_.shared_.shaders_.full_screen("effects/depth_of_field/surface_shown.frag", this_.shadow_defines());
             program.use();
             this_.set_surface(program);
             for (const ClassPicture& picture : classes) {

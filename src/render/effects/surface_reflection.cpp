@@ -44,7 +44,7 @@ SurfaceReflection add_surface_reflection(RenderGraph& graph, ShaderLibrary& shad
                    .region = surface.region};
     pass.draw = [&shaders, settings, surface](PassRun& run) {
         for (const int target : {0, 1, 2}) run.target().clear_color(target, 0, 0, 0, 0);
-        Program& program = shaders.full_screen("effects/surface_reflection/reflect.frag");
+        Program& program = shaders.full_screen("effects/surface_reflection/reflect.frag", surface.defines);
         program.use();
         surface.bind_light(program);
         surface.bind_lens(program, 1);

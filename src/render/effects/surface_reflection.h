@@ -38,6 +38,7 @@ struct MirroringSurface {
     Region region;                                    // what the textures cover, in plate pixels
     std::vector<Region> runs;                         // the parts of it to draw
     std::vector<PassInput> light;                     // what the objects' light is made by
+    ShaderDefines defines = {};                       // that the shadow on the surface asks for
     std::function<void(Program&)> bind_light;         // sets the uniforms of common/environment.glsl, visibility.glsl,
                                                       // near_light.glsl and object_light.glsl
     std::function<void(Program&, GLuint)> bind_lens;  // those of common/lens_map.glsl, with a texture unit

@@ -182,6 +182,9 @@ TEST(SceneEdit, FindsTablesThatAreWrittenUnusually) {
     SceneText list("scene.toml", "[[light]]\nprobe = \"a.exr\"");
     list.set("light.exposure_ev", 1);
     EXPECT_EQ(list.text(), "[[light]]\nprobe = \"a.exr\"\nexposure_ev = 1\n");
+    SceneText lights("scene.toml", "[[light]]\ntype = \"directional\"\n[[light]]\nprobe = \"a.exr\"\n");
+    lights.set("light.exposure_ev", 1);
+    EXPECT_EQ(lights.text(), "[[light]]\ntype = \"directional\"\n[[light]]\nprobe = \"a.exr\"\nexposure_ev = 1\n");
     SceneText root("scene.toml", "effects.bloom = \"off\"\nsurface = {z = 0}\n\n[light]\nprobe = \"a.exr\"\n");
     root.set("effects.glare", "auto");
     root.set("surface.shadow", false);

@@ -342,13 +342,54 @@ TEST_F(SceneFile, MissingFilesAreNamed) {
     EXPECT_THROW(load_scene(folder_ / "none.toml", warnings_), InputError);
 }
 
-TEST_F(SceneFile, WhatThisVersionCannotDoIsSaid) {
-    EXPECT_THAT(error_after("[[light]]\ntype = \"point\"\n"),
-                HasSubstr("scene.toml:6: [[light]]: this version has no analytic"));
-    EXPECT_THAT(error_after("[light]\ntype = \"point\"\n"), HasSubstr("no analytic lights"));
-    EXPECT_EQ(load(std::string(footage_and_tags) + "[[light]]\nprobe = \"room.exr\"\n").probe->path,
-              folder_ / "room.exr");
+TEST_F(SceneFile, AnalyticLightsBesideAProbeOrInsteadOfIt) {
+    const std::string probe = "[[light]]\nprobe = \"room.exr\"\n";
+    EXPECT_EQ(load(footage_and_tags + probe).probe->path, folder_ / "room.exr");
+    const std::string lamps =
+        "[[light]]\ntype = \"point\"\nposition = [0, 0, 1]\n"
+        "[[light]]\ntype = \"spot\"\nposition = [1, 0, 1]\ndirection = [0, 1, -1]\nouter_cone_deg = 20\nrange = 3\n"
+        "[[light]]\ntype = \"directional\"\nintensity = 3\nangle_deg = 0.5\nin_footage = true\n";
+    const Scene both = load(footage_and_tags + lamps + probe);
+    EXPECT_EQ(both.probe->path, folder_ / "room.exr");
+    ASSERT_EQ(both.lamps.size(), 3U);
+    EXPECT_EQ(both.lamps[0], (LampSettings{.position_m = {0, 0, 1}, .in_footage = false}));
+    EXPECT_EQ(both.lamps[1], (LampSettings{.type = LampType::spot,
+                                           .position_m = {1, 0, 1},
+                                           .direction = {0, 1, -1},
+                                           .outer_cone_deg = 20,
+                                           .range_m = 3,
+                                           .in_footage = false}));
+    EXPECT_EQ(both.lamps[2].type, LampType::directional);
+    EXPECT_TRUE(*both.lamps[2].in_footage);
+    EXPECT_FALSE(lit_by_lamps_alone(both));
+    const Scene alone = load(footage_and_tags + lamps);
+    EXPECT_FALSE(alone.probe);
+    EXPECT_TRUE(*alone.lamps[0].in_footage) << "what else would the footage be lit by";
+    EXPECT_TRUE(lit_by_lamps_alone(alone));
     EXPECT_TRUE(warnings_.empty());
+    // What was in force is a scene file, too.
+    EXPECT_EQ(load(both.effective_toml).lamps, both.lamps);
+}
+
+TEST_F(SceneFile, AnalyticLightsThatMakeNoSenseAreRefused) {
+    const auto refusal = [&](const std::string& keys) { return error_after("[[light]]\n" + keys); };
+    EXPECT_THAT(refusal("position = [0, 0, 1]\n"), HasSubstr("'type' is missing in [light]"));
+    EXPECT_THAT(refusal("type = \"lamp\"\n"), HasSubstr("scene.toml:7: 'type' in [light]"));
+    EXPECT_THAT(refusal("type = \"point\"\n"), HasSubstr("'position' is missing in [light]"));
+    EXPECT_THAT(refusal("type = \"directional\"\nposition = [0, 0, 1]\n"),
+                HasSubstr("'position' in [light] is of no use to a directional light"));
+    EXPECT_THAT(refusal("type = \"directional\"\ndirection = [0, 0, 0]\n"), HasSubstr("has no direction"));
+    EXPECT_THAT(refusal("type = \"spot\"\nposition = [0, 0, 1]\ninner_cone_deg = 50\n"),
+                HasSubstr("'inner_cone_deg' in [light] is 50, more than 'outer_cone_deg', 45"));
+    EXPECT_THAT(refusal("type = \"point\"\nposition = [0, 0, 1]\nintensity = -1\n"), HasSubstr("'intensity'"));
+    EXPECT_THAT(refusal("type = \"point\"\nposition = [0, 0, nan]\n"), HasSubstr("not finite"));
+    EXPECT_THAT(refusal("type = \"point\"\nradios = 1\n"), HasSubstr("did you mean 'radius'?"));
+    EXPECT_THAT(error_after("[light]\ntype = \"point\"\n"), HasSubstr("[[light]] for an analytic light"));
+    std::string many;
+    for (int i = 0; i < 33; ++i) many += "[[light]]\ntype = \"directional\"\n";
+    EXPECT_THAT(error_after(many), HasSubstr("the scene has 33 analytic lights, and 32 are the most"));
+    const std::string probe = "[[light]]\nprobe = \"room.exr\"\n";
+    EXPECT_THAT(error_after(probe + probe), HasSubstr("a scene has one probe"));
 }
 
 TEST_F(SceneFile, SpheresAndWhatTheirColumnsBecome) {
