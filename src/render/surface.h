@@ -157,8 +157,8 @@ struct PlacedMesh {
 };
 
 /// Objects on the GPU. Opaque and masked meshes are drawn first, then the blended ones from back to front by the
-/// distance of their centres. Each draw sets the depth, blend and cull state it needs and leaves depth test, blending
-/// and culling off.
+/// distance of their centres, or in the order of each pixel (lists_meshes()). Each draw sets the depth, blend and cull
+/// state it needs and leaves depth test, blending and culling off.
 class SurfaceRenderer {
 public:
     explicit SurfaceRenderer(ShaderLibrary& shaders);

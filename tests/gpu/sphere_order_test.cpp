@@ -109,7 +109,7 @@ TEST_F(SphereOrderTest, crossing_planes_with_spheres_between_them) {
     const ImageF listed = draw();
     EXPECT_LE(off(listed, caster, light), most_grazing);
     // A few rows at a time are the same.
-    surfaces.sphere_lists().limit_entries(500);
+    surfaces.sphere_lists().limit_entries(5000);
     EXPECT_TRUE(std::ranges::equal(listed.samples(), draw().samples()));
     // In the order of their middles, and before the spheres, they are not right.
     surfaces.set_peeling(1e-5, 1000, TransparencyMethod::peeling);
