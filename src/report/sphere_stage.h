@@ -1,9 +1,9 @@
 // A sphere set on the GPU under plain light, drawn from any view: what its measurements are taken from.
 #pragma once
 
-#include <compare>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/image.h"
@@ -45,7 +45,9 @@ public:
     struct Occlusion {
         int divisions = 2;
         int resolution = 256;
-        auto operator<=>(const Occlusion&) const = default;
+        bool operator<(const Occlusion& other) const {
+            return std::pair(divisions, resolution) < std::pair(other.divisions, other.resolution);
+        }
     };
     void set_occlusion(std::optional<Occlusion> occlusion) { occlusion_ = occlusion; }
     void make_maps(const Occlusion& occlusion) { maps_of(occlusion); }
