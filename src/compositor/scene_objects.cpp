@@ -81,11 +81,13 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
         } else {
             model = object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
             if (!object.material.texture.empty()) set_base_color_texture(model, object.material.texture);
-            const SurfacePictures pictures = load_surface_pictures(model, object.material, warnings);
+            std::optional<SurfacePictures> pictures;
+            if (object.material.detail != SurfaceDetail{})
+                pictures = load_surface_pictures(model, object.material, warnings);
             if (preparation.fine_meshes) shorten_edges(model, object.holdout);
             if (object.holdout) add_back_sides(model);
             added.model = &model;
-            if (object.material.detail != SurfaceDetail{}) added.pictures = &pictures;
+            if (pictures) added.pictures = &*pictures;
             surfaces.add_object(added);
             for (const ModelLamp& lamp : model.lamps) model_lamps_.push_back({objects_.size() - 1, lamp});
         }
