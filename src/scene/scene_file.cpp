@@ -188,7 +188,9 @@ void SceneReader::check_keys(const SceneSection& section, const toml::table& tab
         }
         std::string cure = fmt::format("did you mean '{}'?", nearest_word(word, known));
         for (const Setting& setting : scene_settings()) {
-            if (setting.key == word) cure = fmt::format("it belongs in [{}]", setting.section);
+            if (setting.key != word) continue;
+            cure = setting.section == lamp_section ? "it belongs in an entry of [[light]] that has a type"
+                                                   : fmt::format("it belongs in [{}]", setting.section);
         }
         source_.fail(key, fmt::format("unknown key '{}' in [{}]", word, written_section(section.name)), cure);
     }

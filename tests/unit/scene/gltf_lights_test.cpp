@@ -54,7 +54,7 @@ TEST_F(GltfLights, StandWhereTheirNodesAreAndShineAlongMinusZ) {
 }
 
 TEST_F(GltfLights, ThatAreWrongAreRefused) {
-    const auto refusal = [&](const json& light) { return error_of(with_lights({light}, holding(0))); };
+    const auto refusal = [&](const json& light) { return error_of(with_lights(json::array({light}), holding(0))); };
     EXPECT_THAT(refusal({{"type", "area"}}), HasSubstr("lights[0].type is 'area'"));
     EXPECT_THAT(refusal({{"type", "point"}, {"intensity", -1}}), HasSubstr("lights[0].intensity is -1"));
     EXPECT_THAT(refusal({{"type", "point"}, {"range", 0}}), HasSubstr("lights[0].range is 0"));

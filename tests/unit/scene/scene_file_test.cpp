@@ -385,6 +385,7 @@ TEST_F(SceneFile, AnalyticLightsThatMakeNoSenseAreRefused) {
     EXPECT_THAT(refusal("type = \"point\"\nposition = [0, 0, nan]\n"), HasSubstr("not finite"));
     EXPECT_THAT(refusal("type = \"point\"\nradios = 1\n"), HasSubstr("did you mean 'radius'?"));
     EXPECT_THAT(error_after("[light]\ntype = \"point\"\n"), HasSubstr("[[light]] for an analytic light"));
+    EXPECT_THAT(error_after("[light]\nintensity = 1\n"), HasSubstr("an entry of [[light]] that has a type"));
     std::string many;
     for (int i = 0; i < 33; ++i) many += "[[light]]\ntype = \"directional\"\n";
     EXPECT_THAT(error_after(many), HasSubstr("the scene has 33 analytic lights, and 32 are the most"));
