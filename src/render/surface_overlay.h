@@ -18,7 +18,7 @@ public:
     /// Sets the uniforms of surface/relief.glsl, patterns.glsl and picture_layers.glsl, as far as they are defined.
     void bind(Program& program) const;
 
-    static constexpr GLuint first_unit = 42;  // three of them
+    static constexpr GLuint first_unit = 50;  // three of them, beyond those of lamps
 
 private:
     void upload_relief(const SurfacePictures& pictures, double world_scale);
