@@ -18,7 +18,7 @@ namespace matchlight {
 
 namespace {
 
-constexpr int width = 320, height = 200, kinds = 5;
+constexpr int width = 320, height = 200, kinds = 5, middle_kind = 2;
 
 PatternSettings pattern_of(int kind) {
     PatternSettings pattern;
@@ -43,7 +43,7 @@ public:
             pictures.settings.pattern = pattern_of(kind);
             pictures.settings.pattern->filtered = filtered;
             Eigen::Matrix4d place = Eigen::Matrix4d::Identity();
-            place(0, 3) = kind - kinds / 2;
+            place(0, 3) = kind - middle_kind;
             made->add_object({.model = &square, .world_from_model = place, .id = kind + 1, .pictures = &pictures});
         }
         return made;
@@ -68,7 +68,7 @@ public:
             for (int x = 0; x < width; ++x) {
                 const int kind = kind_at(point_at(x, y));
                 if (kind < 0) continue;
-                const Eigen::Vector3d middle(kind - kinds / 2, 0, 0);
+                const Eigen::Vector3d middle(kind - middle_kind, 0, 0);
                 const auto at = [&](double right, double down) -> Eigen::Vector3d {
                     return point_at(x + right, y + down) - middle;
                 };
