@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "commands/command.h"
 #include "commands/result.h"
@@ -38,6 +40,7 @@ struct ReportArguments {
     std::string scene, output, truth, study;
     std::optional<std::int64_t> frame;
     std::vector<std::string> effects;  // all when empty
+    std::vector<std::string> parts;    // of the table of stability; all when empty
     std::vector<std::string> spheres;
     std::size_t orbit_frames = 0;  // 0: 180, or 6 when quick
     int repeats = 0;               // 0: seven, or three when quick
@@ -196,8 +199,26 @@ void measure_sphere_sets(const ReportArguments& arguments, CommandContext& conte
     report.provenance = fmt::format("matchlight {}\n", version);
 }
 
-void run_stability_cases(bool quick, CommandContext& context, Report& report) {
-    const std::vector<StabilityCase> cases = stability_cases(quick);
+/// The table's cases, of the parts asked for.
+std::vector<StabilityCase> cases_of(const ReportArguments& arguments) {
+    std::vector<StabilityCase> cases = stability_cases(arguments.quick);
+    for (const std::string& part : arguments.parts) {
+        if (std::ranges::find(cases, part, &StabilityCase::effect) != cases.end()) continue;
+        std::set<std::string> known;
+        for (const StabilityCase& each : cases) known.insert(each.effect);
+        throw InputError("--parts", fmt::format("the table of stability has no part \"{}\"", part),
+                         fmt::format("name some of: {}", fmt::join(known, "; ")));
+    }
+    if (!arguments.parts.empty()) {
+        std::erase_if(cases, [&](const StabilityCase& each) {
+            return std::ranges::find(arguments.parts, each.effect) == arguments.parts.end();
+        });
+    }
+    return cases;
+}
+
+void run_stability_cases(const ReportArguments& arguments, CommandContext& context, Report& report) {
+    const std::vector<StabilityCase> cases = cases_of(arguments);
     Progress progress("stability", static_cast<std::int64_t>(cases.size()), context.quiet);
     for (const StabilityCase& tried : cases) {
         if (stop_requested()) throw InputError("", "stopped by a signal");
@@ -232,7 +253,7 @@ void make_report(const ReportArguments& arguments, CommandContext& context) {
     } else if (!arguments.scene.empty()) {
         measure_scene(arguments, *gl, context, report);
     }
-    if (arguments.stability) run_stability_cases(arguments.quick, context, report);
+    if (arguments.stability) run_stability_cases(arguments, context, report);
     folder.write(report);
     print_result(context, nlohmann::json::parse(report_json(report)),
                  (report.track ? track_lines(*report.track) : effect_lines(report)) +
@@ -289,6 +310,10 @@ void add_report_command(CLI::App& app, CommandContext& context) {
         ->check(CLI::Range(1, 10000));
     command->add_flag("--stability", arguments->stability,
                       "A table of stiff and extreme cases: what came out of each, against its bound");
+    command
+        ->add_option("--parts", arguments->parts,
+                     "Of --stability: only these parts of the table (\"bloom, pyramid\"), separated by semicolons")
+        ->delimiter(';');
     command->add_flag("--calibrate-machine", arguments->calibrate_machine,
                       "Measure what every level costs on this machine, once, for scenes with budget_ms: the table goes "
                       "into the user's cache folder");
@@ -307,6 +332,7 @@ void add_report_command(CLI::App& app, CommandContext& context) {
             throw CLI::RequiresError("--frames", "--spheres");
         if (arguments->track && !arguments->study.empty()) throw CLI::ExcludesError("--track", "--study");
         if (reports && arguments->output.empty()) throw CLI::RequiredError("--output");
+        if (!arguments->parts.empty() && !arguments->stability) throw CLI::RequiresError("--parts", "--stability");
         if (arguments->calibrate_machine) calibrate(*arguments, context);
         if (reports) make_report(*arguments, context);
     });

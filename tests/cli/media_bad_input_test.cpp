@@ -200,7 +200,8 @@ TEST_F(MediaBadInput, LosslessRenderKeepsUntouchedSamples) {
     text.replace(text.find("\"h264\""), 6, "\"ffv1\"");
     std::ofstream(shot_ / "table.toml", std::ios::binary | std::ios::trunc) << text;
     const std::string output = (shot_ / "out.mkv").string(), masks = (shot_ / "touched_%04d.png").string();
-    ASSERT_TRUE(succeeded(run_matchlight({"render", scene, "-o", output, "--frames", "3-4", "--touched", masks})));
+    ASSERT_TRUE(succeeded(
+        run_matchlight({"render", scene, "-o", output, "--frames", "3-4", "--level", "draft", "--touched", masks})));
     const auto footage = FrameSource::open(sample_footage, {}, warnings_);
     const auto rendered = FrameSource::open(output, {}, warnings_);
     EXPECT_EQ(rendered->info().frame_count, 2);
@@ -243,7 +244,8 @@ TEST_F(MediaBadInput, ADiskThatFillsUpDuringARenderLeavesNothing) {
     const fs::path output = shot_ / "out.mp4";
     RunOptions full;
     full.file_size_limit_bytes = 20000;
-    const RunResult result = run_matchlight({"render", scene, "-o", output.string(), "--frames", "0-3"}, full);
+    const RunResult result =
+        run_matchlight({"render", scene, "-o", output.string(), "--frames", "0-3", "--level", "draft"}, full);
     EXPECT_TRUE(failed_naming(result, {"out.mp4", "frame "}));
     EXPECT_TRUE(nothing_left_of(output));
 }

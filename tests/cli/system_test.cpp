@@ -25,7 +25,7 @@ protected:
 
     /// `matchlight render SCENE -o OUTPUT more…`, at a level that is quick to begin.
     std::vector<std::string> render_call(const fs::path& output, const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> call{"render", scene_, "--level", "preview", "-o", output};
+        std::vector<std::string> call{"render", scene_, "--level", level_, "-o", output};
         call.insert(call.end(), more.begin(), more.end());
         return call;
     }
@@ -41,7 +41,11 @@ protected:
         return "out_" + std::string(frame < 10 ? "00" : "0") + std::to_string(frame) + ".png";
     }
 
+    /// For tests that stop a run halfway: frames that take a while.
+    void draw_slowly() { level_ = "preview"; }
+
     static constexpr int frame_count = 12;
+    std::string level_ = "draft";
     fs::path shot_;
     fs::path scene_;
 };
@@ -90,6 +94,7 @@ TEST_F(SystemTest, AFolderThatCannotBeWrittenIsNamedBeforeTheFirstFrame) {
 }
 
 TEST_F(SystemTest, OfTwoRunsOnOneOutputTheSecondIsRefused) {
+    draw_slowly();
     const fs::path output = scratch_ / "out.mp4";
     RunningMatchlight first(render_call(output));
     ASSERT_TRUE(first.wait_for_file(scratch_ / ".out.mp4.lock"));
@@ -142,6 +147,7 @@ TEST_F(SystemTest, AResultThatCannotBePrintedIsAFailure) {
 }
 
 TEST_F(SystemTest, SigtermFinishesTheFrameInHand) {
+    draw_slowly();
     const fs::path whole = render_all("whole");
     fs::create_directories(scratch_ / "stopped");
     RunningMatchlight run(render_call(scratch_ / "stopped" / "out_%03d.png"));
@@ -160,6 +166,7 @@ TEST_F(SystemTest, SigtermFinishesTheFrameInHand) {
 }
 
 TEST_F(SystemTest, SigtermLeavesNoHalfVideo) {
+    draw_slowly();
     RunningMatchlight run(render_call(scratch_ / "out.mp4"));
     ASSERT_TRUE(run.wait_for_file(scratch_ / "out.part.mp4"));
     run.send(SIGTERM);
@@ -168,6 +175,7 @@ TEST_F(SystemTest, SigtermLeavesNoHalfVideo) {
 }
 
 TEST_F(SystemTest, AKilledRunCanBeRunAgainToTheSameBits) {
+    draw_slowly();
     const fs::path whole = render_all("whole");
     fs::create_directories(scratch_ / "killed");
     const fs::path pattern = scratch_ / "killed" / "out_%03d.png";
@@ -227,7 +235,7 @@ TEST_F(SystemTest, OddPathsAreOnlyPaths) {
     fs::copy(shot_, folder);
     EXPECT_TRUE(succeeded(run_matchlight({"track", folder / "table.toml"})));
     EXPECT_TRUE(succeeded(run_matchlight(
-        {"render", folder / "table.toml", "--level", "preview", "-o", folder / "out_%03d.png", "--frames", "0-0"})));
+        {"render", folder / "table.toml", "--level", level_, "-o", folder / "out_%03d.png", "--frames", "0-0"})));
     EXPECT_EQ(bytes_of(folder / "out_000.png"), expected);
 }
 
@@ -237,8 +245,8 @@ TEST_F(SystemTest, APathMayStartWithADash) {
     options.working_directory = shot_;
     EXPECT_TRUE(succeeded(run_matchlight({"track", "-o", "other.solve.json", "--", "-table.toml"}, options)));
     EXPECT_TRUE(succeeded(run_matchlight({"track", "--", "-table.toml"}, options)));
-    const RunResult result =
-        run_matchlight({"render", "--output=-out_%03d.png", "--frames", "0-0", "--", "-table.toml"}, options);
+    const RunResult result = run_matchlight(
+        {"render", "--level", level_, "--output=-out_%03d.png", "--frames", "0-0", "--", "-table.toml"}, options);
     EXPECT_TRUE(succeeded(result));
     EXPECT_TRUE(fs::exists(shot_ / "-out_000.png"));
 }
