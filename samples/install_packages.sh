@@ -13,6 +13,7 @@ packages=(
     nlohmann-json3-dev
     # footage and images
     libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libopencv-dev libopenexr-dev libopenimageio-dev
+    libopencolorio-dev
     # tracking, boards to print, and what the tests render these with again
     libapriltag-dev libcairo2-dev libceres-dev libopencv-contrib-dev librsvg2-bin poppler-utils
     # models and drawing; Mesa's software rasteriser serves where there is no GPU

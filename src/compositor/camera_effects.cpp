@@ -12,7 +12,9 @@ CameraEffects::CameraEffects(ShaderLibrary& shaders, const EffectSettings& setti
 }
 
 void CameraEffects::set_settings(const EffectSettings& settings) {
+    const bool same_colors = settings.color_transform == settings_.color_transform;
     settings_ = settings;
+    if (!same_colors) make_color_transform();
     std::vector<Glare> before = std::move(glares_);
     glares_.clear();
     if (settings.dazzle && settings.dazzle->glare) {
@@ -31,7 +33,14 @@ void CameraEffects::set_settings(const EffectSettings& settings) {
 
 void CameraEffects::set_quality(const Quality& quality) {
     quality_ = quality;
+    make_color_transform();
     for (Glare& glare : glares_) glare.wave.reset();  // its kernel is of another quality
+}
+
+void CameraEffects::make_color_transform() {
+    color_transform_.reset();
+    if (const std::optional<ColorTransformSettings>& asked = settings_.color_transform)
+        color_transform_.emplace(*asked, ColorTransformFiles::read(*asked), color_transform_knobs(quality_.sensor));
 }
 
 void CameraEffects::add_glare_of(const GlareSettings& settings, const StreakSource& source, const std::string& name) {

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "calibration/camera.h"
 #include "compositor/quality.h"
 #include "gl/condition.h"
 #include "gl/shader_library.h"
+#include "render/effects/color_transform.h"
 #include "render/effects/spill.h"
 #include "render/effects/streaks.h"
 #include "render/effects/wave_glare.h"
@@ -20,7 +22,7 @@ namespace matchlight {
 
 class CameraEffects {
 public:
-    /// Throws InputError where an aperture's image is bad.
+    /// Throws InputError where an aperture's image, or a file of the colour transform, is bad.
     CameraEffects(ShaderLibrary& shaders, const EffectSettings& settings, const Quality& quality, const Camera& camera);
 
     /// Whether any of them spills light.
@@ -31,6 +33,8 @@ public:
     void explain(RenderGraph& graph) const;
 
     const EffectSettings& settings() const { return settings_; }
+    /// Null where the scene asks for none; it lasts until the settings or the quality change.
+    const ColorTransform* color_transform() const { return color_transform_ ? &*color_transform_ : nullptr; }
     /// What another setting or quality of glare needs is made with the next frame.
     void set_settings(const EffectSettings& settings);
     void set_quality(const Quality& quality);
@@ -46,6 +50,7 @@ private:
     };
     void add_glare_of(const GlareSettings& settings, const StreakSource& source, const std::string& name);
     void add_glare(RenderGraph& graph, const FrameLight& light, Glare& glare, std::vector<SpillPart>& parts);
+    void make_color_transform();
     double object_strength() const { return settings_.dazzle ? settings_.dazzle->strength : 1; }
 
     ShaderLibrary& shaders_;
@@ -54,6 +59,7 @@ private:
     Camera camera_;
     GpuCondition bloom_light_{"no light is above the threshold of bloom"};
     std::vector<Glare> glares_;
+    std::optional<ColorTransform> color_transform_;
 };
 
 }  // namespace matchlight

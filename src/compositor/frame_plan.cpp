@@ -230,6 +230,22 @@ void Compositor::Impl::plan_sensor(FramePlan& plan) {
     const EffectSettings& asked = effects.settings();
     LayerEffectPlan& layer = plan.layer_effects;
     layer.sensor_quality = quality.sensor;
+    if (const ColorTransform* transform = effects.color_transform()) {
+        if (transform->settings().is_identity() && options.leave_out) {
+            plan.left_out.push_back({"color transform", "it changes no colour"});
+        } else {
+            const Camera frame = without_overscan(solve.camera, options.overscan);
+            layer.color_transform = transform;
+            layer.color_frame = {
+                .gain = plan.optics.gain,
+                .mask_frame = {options.overscan.x, options.overscan.y, frame.width, frame.height}};
+        }
+    }
+    layer.repeated_blur = asked.repeated_blur;
+    if (layer.repeated_blur && layer.repeated_blur->radius_px == 0) {
+        layer.repeated_blur.reset();
+        plan.left_out.push_back({"repeated blur", "a box of one pixel changes nothing"});
+    }
     if (asked.chromatic_aberration) layer.color = lateral_color_of(*asked.chromatic_aberration, solve, warnings);
     if (layer.color && options.leave_out) {
         Eigen::AlignedBox2d bounds;

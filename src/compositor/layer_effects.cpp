@@ -101,6 +101,7 @@ double LayerEffectPlan::spread_px() const {
     double spread = lens_spread_px();
     // In the corners most is displaced; what lies between two texels is shown in both.
     if (color) spread += 1 + std::max(std::abs(color->red_px), std::abs(color->blue_px));
+    if (repeated_blur) spread += repeated_blur_reach_px(*repeated_blur, repeated_blur_knobs(sensor_quality));
     return spread + softness_reach_px(softness_px, softness_knobs(sensor_quality));
 }
 
@@ -228,6 +229,12 @@ PlateLayer add_layer_effects(RenderGraph& graph, const LayerEffectInput& input, 
     }
     if (!plan.acts_on_plate_pixels() || !input.input.layer_drawn) return layer;
     if (!layer.light) layer.light = input.composite.add_resolved_layer(graph, input.input, input.objects).light;
+    if (plan.color_transform != nullptr)
+        layer = plan.color_transform->add(graph, input.shaders, layer, plan.color_frame);
+    if (plan.repeated_blur) {
+        layer = add_repeated_blur(graph, input.shaders, layer, *plan.repeated_blur,
+                                  repeated_blur_knobs(plan.sensor_quality));
+    }
     if (plan.color) {
         layer = add_chromatic_aberration(graph, input.shaders, layer, *plan.color,
                                          chromatic_aberration_knobs(plan.sensor_quality));

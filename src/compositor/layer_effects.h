@@ -12,7 +12,9 @@
 #include "gl/shader_library.h"
 #include "render/composite_pass.h"
 #include "render/effects/chromatic_aberration.h"
+#include "render/effects/color_transform.h"
 #include "render/effects/defocus_gather.h"
+#include "render/effects/repeated_blur.h"
 #include "render/effects/softness.h"
 #include "render/effects/surface_defocus.h"
 #include "render/graph.h"
@@ -60,13 +62,18 @@ struct LayerEffectPlan {
     std::optional<FrameSurfaceDefocus> surface_defocus;
     std::optional<FrameMotion> motion;
     std::string motion_left_out;  // why, where the scene asks for motion blur and the frame has none
+    const ColorTransform* color_transform = nullptr;
+    ColorTransformFrame color_frame;  // of that
+    std::optional<RepeatedBlurSettings> repeated_blur;
     std::optional<LateralColor> color;
     double softness_px = 0;                              // standard deviation
-    QualityLevel sensor_quality = QualityLevel::final_;  // of colour and softness
+    QualityLevel sensor_quality = QualityLevel::final_;  // of what follows lens and shutter
 
     bool any() const { return defocus || surface_defocus || motion || acts_on_plate_pixels(); }
     /// Whether something is done to the layer after lens and shutter have blurred it.
-    bool acts_on_plate_pixels() const { return color || softness_px > 0; }
+    bool acts_on_plate_pixels() const {
+        return color_transform != nullptr || repeated_blur || color || softness_px > 0;
+    }
     /// How far, in plate pixels, the layer's light leaves the place it was drawn at.
     double spread_px() const;
     /// Of that, what lens and shutter do, which also bring in what lies beyond the frame.

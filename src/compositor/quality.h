@@ -37,7 +37,7 @@ struct Quality {
     QualityLevel glare = QualityLevel::final_;
     QualityLevel depth_of_field = QualityLevel::final_;
     QualityLevel motion_blur = QualityLevel::final_;
-    QualityLevel sensor = QualityLevel::final_;  // chromatic aberration and softness
+    QualityLevel sensor = QualityLevel::final_;  // what is done to the layer after lens and shutter
     LampQuality lamps = {};
 };
 

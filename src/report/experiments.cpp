@@ -30,7 +30,9 @@ const std::vector<NamedExperiment>& all_experiments() {
                                                              {"surface_defocus", surface_defocus_experiment},
                                                              {"grain", grain_experiment},
                                                              {"chromatic_aberration", chromatic_aberration_experiment},
-                                                             {"softness", softness_experiment}};
+                                                             {"softness", softness_experiment},
+ {"color_transform", color_transform_experiment},
+ {"repeated_blur", repeated_blur_experiment}};
     return experiments;
 }
 

@@ -72,6 +72,9 @@ std::optional<Experiment> grain_experiment(const SceneStage& stage, const Experi
 std::optional<Experiment> chromatic_aberration_experiment(const SceneStage& stage, const ExperimentOptions& options);
 /// The Gaussian of codec and resampling.
 std::optional<Experiment> softness_experiment(const SceneStage& stage, const ExperimentOptions& options);
+/// The virtual layer in other colours, and blurred by repeated boxes, by level of `sensor` (whole frames).
+std::optional<Experiment> color_transform_experiment(const SceneStage& stage, const ExperimentOptions& options);
+std::optional<Experiment> repeated_blur_experiment(const SceneStage& stage, const ExperimentOptions& options);
 
 struct NamedExperiment {
     std::string name;  // as --effects takes it

@@ -1,11 +1,13 @@
-// What the lens does to colours and the codec to edges, each against its reference.
+// What the lens does to colours, the codec to edges and grading to both, each against its reference.
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
 
 #include "compositor/sensor.h"
+#include "render/effects/color_transform.h"
 #include "render/effects/softness.h"
+#include "report/color_transform_reference.h"
 #include "report/experiments.h"
 #include "report/frame_trial.h"
 #include "report/softness_reference.h"
@@ -137,27 +139,46 @@ std::optional<Experiment> chromatic_aberration_experiment(const SceneStage& stag
     return experiment;
 }
 
-std::optional<Experiment> softness_experiment(const SceneStage& stage, const ExperimentOptions& options) {
-    std::optional<SoftnessSettings> settings = stage.scene.effects.softness;
-    if (!settings && !options.by_name) return std::nullopt;
-    if (!settings) settings.emplace();
-    const double sigma_px = softness_px_of(*settings, stage.solve, stage.warnings);
+namespace {
+
+/// An effect on the layer as it lies on the plate, against what `reference` makes of the layer without it.
+struct LayerTrial {
+    std::string name, what, reference_is;
+    std::function<ImageD(const ImageD& layer)> reference;  // plate-linear, premultiplied, over the whole frame
+    std::vector<std::pair<std::string, QualityLevel>> levels;
+    std::function<void(EffectSettings& effects)> on, faint;
+    std::string left_out_where;  // that `faint` is
+};
+
+/// The frame with that layer over its plate.
+ImageF over_plate(const FrameLayers& layers, const ImageF& plate, const ImageD& layer) {
+    const Region& region = layers.region;
+    ImageF picture(region.width, region.height, 3);
+    for (int y = 0; y < region.height; ++y) {
+        for (int x = 0; x < region.width; ++x) {
+            const double* over = layer.pixel(region.x + x, region.y + y);
+            for (int c = 0; c < 3; ++c) {
+                picture.at(x, y, c) =
+                    static_cast<float>(plate.at(x, y, c) * layers.shadow.at(x, y, c) * (1 - over[3]) + over[c]);
+            }
+        }
+    }
+    return picture;
+}
+
+Experiment layer_experiment(const SceneStage& stage, const LayerTrial& trial) {
     Experiment experiment;
-    experiment.report.name = "softness";
-    experiment.report.what = "The Gaussian of codec and resampling over what is virtual: the whole frame is timed.";
+    experiment.report.name = trial.name;
+    experiment.report.what = trial.what;
     experiment.report.unit = WorkUnit::frame;
     experiment.stopwatch = Stopwatch::wall;
     const ChangeScene off = [](Scene& scene) { scene.effects = {}; };
-    const auto on_with = [](double sigma) -> ChangeScene {
-        return [sigma](Scene& scene) {
+    const auto only = [](const std::function<void(EffectSettings&)>& change) -> ChangeScene {
+        return [change](Scene& scene) {
             scene.effects = {};
-            scene.effects.softness = SoftnessSettings{sigma};
+            change(scene.effects);
         };
     };
-    if (sigma_px < least_softness_px) {
-        experiment.report.left_out_of_frame = "a Gaussian this narrow is none";
-        return experiment;
-    }
     const auto plain_compositor = stage.compositor(changed(stage, off), quality_of(QualityLevel::final_), true);
     const CompositedFrame plain = plain_compositor->composite(*stage.plate);
     if (!plain.layers) {
@@ -167,35 +188,88 @@ std::optional<Experiment> softness_experiment(const SceneStage& stage, const Exp
     const FrameLayers& layers = *plain.layers;
     const Region region = layers.region;
     experiment.report.region = region;
-    experiment.report.reference = "Gaussians to 8 standard deviations in double precision";
+    experiment.report.reference = trial.reference_is;
     // Over the whole frame, so that only its own edges are edges.
     ImageD layer(stage.plate->format().width, stage.plate->format().height, 4);
-    for (int y = 0; y < region.height; ++y) {
+    for (int y = 0; y < region.height; ++y)
         std::ranges::copy(layers.virtual_rgba.row(y), layer.pixel(region.x, region.y + y));
-    }
-    const ImageD soft = reference_softness(layer, sigma_px);
     const ImageF plate =
         layers.background.empty() ? cropped(plain_compositor->plate_linear(*stage.plate), region) : layers.background;
-    experiment.reference = ImageF(region.width, region.height, 3);
-    for (int y = 0; y < region.height; ++y) {
-        for (int x = 0; x < region.width; ++x) {
-            const double* over = soft.pixel(region.x + x, region.y + y);
-            for (int c = 0; c < 3; ++c) {
-                experiment.reference.at(x, y, c) =
-                    static_cast<float>(plate.at(x, y, c) * layers.shadow.at(x, y, c) * (1 - over[3]) + over[c]);
-            }
-        }
-    }
-    for (const FrameWay& way : ways_of({{"draft", QualityLevel::draft},
-                                        {"preview", QualityLevel::preview},
-                                        {"final", QualityLevel::final_},
-                                        {"reference", QualityLevel::reference}},
-                                       on_with(sigma_px), off)) {
+    experiment.reference = over_plate(layers, plate, trial.reference(layer));
+    for (const FrameWay& way : ways_of(trial.levels, only(trial.on), off))
         experiment.candidates.push_back(candidate_of(stage, way, region));
-    }
-    experiment.left_out =
-        left_out_trial(stage, "its standard deviation is under 0.2 px", on_with(least_softness_px / 2), off);
+    experiment.left_out = left_out_trial(stage, trial.left_out_where, only(trial.faint), off);
     return experiment;
+}
+
+}  // namespace
+
+std::optional<Experiment> softness_experiment(const SceneStage& stage, const ExperimentOptions& options) {
+    std::optional<SoftnessSettings> settings = stage.scene.effects.softness;
+    if (!settings && !options.by_name) return std::nullopt;
+    if (!settings) settings.emplace();
+    const double sigma_px = softness_px_of(*settings, stage.solve, stage.warnings);
+    if (sigma_px < least_softness_px) {
+        Experiment none;
+        none.report.name = "softness";
+        none.report.left_out_of_frame = "a Gaussian this narrow is none";
+        return none;
+    }
+    return layer_experiment(
+        stage, {.name = "softness",
+                .what = "The Gaussian of codec and resampling over what is virtual: the whole frame is timed.",
+                .reference_is = "Gaussians to 8 standard deviations in double precision",
+                .reference = [sigma_px](const ImageD& layer) { return reference_softness(layer, sigma_px); },
+                .levels = {{"draft", QualityLevel::draft},
+                           {"preview", QualityLevel::preview},
+                           {"final", QualityLevel::final_},
+                           {"reference", QualityLevel::reference}},
+                .on = [sigma_px](EffectSettings& effects) { effects.softness = SoftnessSettings{sigma_px}; },
+                .faint = [](EffectSettings& effects) { effects.softness = SoftnessSettings{least_softness_px / 2}; },
+                .left_out_where = "its standard deviation is under 0.2 px"});
+}
+
+std::optional<Experiment> color_transform_experiment(const SceneStage& stage, const ExperimentOptions& options) {
+    std::optional<ColorTransformSettings> settings = stage.scene.effects.color_transform;
+    if (!settings && !options.by_name) return std::nullopt;
+    if (!settings) settings = ColorTransformSettings{.hue_deg = 40, .saturation = 0.7, .contrast = 1.3, .fade = 0.1};
+    settings->mask.clear();
+    const auto table = std::make_shared<const std::optional<ColorTable>>(ColorTransformFiles::read(*settings).table);
+    return layer_experiment(
+        stage, {.name = "color_transform",
+                .what = "What is virtual in other colours, without the scene's mask: the whole frame is timed.",
+                .reference_is = "the same steps in double precision",
+                .reference =
+                    [settings, table](ImageD layer) {
+                        reference_transform_layer(layer, {1, 1, 1}, *settings, *table ? &**table : nullptr);
+                        return layer;
+                    },
+                .levels = {{"draft", QualityLevel::draft},
+                           {"preview", QualityLevel::preview},
+                           {"final, reference", QualityLevel::final_}},
+                .on = [settings](EffectSettings& effects) { effects.color_transform = settings; },
+                .faint = [](EffectSettings& effects) { effects.color_transform.emplace(); },
+                .left_out_where = "it changes no colour"});
+}
+
+std::optional<Experiment> repeated_blur_experiment(const SceneStage& stage, const ExperimentOptions& options) {
+    std::optional<RepeatedBlurSettings> settings = stage.scene.effects.repeated_blur;
+    if (!settings && !options.by_name) return std::nullopt;
+    if (!settings) settings.emplace();
+    return layer_experiment(
+        stage, {.name = "repeated_blur",
+                .what = "Repeated boxes over what is virtual: the whole frame is timed.",
+                .reference_is = "the boxes in double precision",
+                .reference = [settings](const ImageD& layer) { return reference_repeated_blur(layer, *settings); },
+                .levels = {{"draft", QualityLevel::draft},
+                           {"preview", QualityLevel::preview},
+                           {"final, reference", QualityLevel::final_}},
+                .on = [settings](EffectSettings& effects) { effects.repeated_blur = settings; },
+                .faint =
+                    [](EffectSettings& effects) {
+                        effects.repeated_blur = RepeatedBlurSettings{.passes = 1, .radius_px = 0};
+                    },
+                .left_out_where = "its box is one pixel wide"});
 }
 
 }  // namespace matchlight

@@ -103,6 +103,11 @@ const std::vector<SceneSection>& effect_sections() {
          [](Scene& s) { s.effects.softness.emplace(); }},
         {"effects.depth_cue", SectionUse::nested, "What is virtual fades to a colour with its distance.",
          [](Scene& s) { s.effects.depth_cue.emplace(); }},
+        {"effects.color_transform", SectionUse::nested,
+         "The codes of what is virtual are transformed, one row after the other.",
+         [](Scene& s) { s.effects.color_transform.emplace(); }},
+        {"effects.repeated_blur", SectionUse::nested, "A box blurs what is virtual along rows and columns, repeatedly.",
+         [](Scene& s) { s.effects.repeated_blur.emplace(); }},
         {"effects.vignette", SectionUse::nested, "Light falls off towards the corners.",
          [](Scene& s) { s.effects.vignette.emplace(); }},
     };
@@ -168,6 +173,10 @@ std::vector<Setting> all_effect_settings() {
          "what is virtual blurs as the footage's codec and resampling do", nullptr},
         {"effects", "depth_cue", of_kind(effect), "", "\"off\"",
          "what is virtual fades to a colour between two distances from the camera", nullptr},
+        {"effects", "color_transform", of_kind(effect), "", "\"off\"",
+         "brightness, contrast, hue, grey, tables and fades of what is virtual", nullptr},
+        {"effects", "repeated_blur", of_kind(effect), "", "\"off\"", "what is virtual blurs by repeated boxes",
+         nullptr},
 
         {"effects.bloom", "level", one_of({"classic", "pyramid", "reference"}), "", "\"pyramid\"", "how it is computed",
          [](Scene& s, const SettingValue& v) { s.effects.bloom->level = static_cast<BloomLevel>(v.choice); }},
@@ -203,6 +212,7 @@ std::vector<Setting> all_effect_settings() {
     add_depth_of_field_settings(settings);
     add_motion_blur_settings(settings);
     add_sensor_settings(settings);
+    add_color_transform_settings(settings);
     add_glare_settings<glare_of_all>(settings, "effects.glare", "effects.glare.aperture");
     add_glare_settings<glare_of_dazzle>(settings, "effects.dazzle.glare", "effects.dazzle.glare.aperture");
     return settings;

@@ -15,5 +15,6 @@ const std::vector<Setting>& effect_settings();
 void add_depth_of_field_settings(std::vector<Setting>& rows);
 void add_motion_blur_settings(std::vector<Setting>& rows);
 void add_sensor_settings(std::vector<Setting>& rows);
+void add_color_transform_settings(std::vector<Setting>& rows);
 
 }  // namespace matchlight

@@ -7,16 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "scene/check_range.h"
+
 namespace matchlight {
-namespace {
-
-void check_range(const char* name, double value, double lowest, double highest) {
-    if (value >= lowest && value <= highest) return;
-    throw std::invalid_argument(fmt::format("{} is {}, not from {} to {}", name, value, lowest, highest));
-}
-
-}  // namespace
-
 void DepthCueSettings::check() const {
     check_range("depth_cue near", near_m, 0, 1e6);
     check_range("depth_cue far", far_m, 0, 1e6);

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "scene/color_transform.h"
+
 namespace matchlight {
 
 // Light is plate-linear: 1 is the brightest code of the footage. Strengths scale what an effect adds (the study's
@@ -223,6 +225,8 @@ struct EffectSettings {
     std::optional<ChromaticAberrationSettings> chromatic_aberration;
     std::optional<SoftnessSettings> softness;
     std::optional<DepthCueSettings> depth_cue;
+    std::optional<ColorTransformSettings> color_transform;
+    std::optional<RepeatedBlurSettings> repeated_blur;
     std::optional<VignetteSettings> vignette = VignetteSettings{};  // nullopt: off
 
     bool operator==(const EffectSettings&) const = default;

@@ -1,5 +1,5 @@
 #version 450 core
-// A Gaussian over the virtual layer along one axis (STEP), of 2 RADIUS + 1 taps.
+// A kernel over the virtual layer along one axis (STEP), of 2 RADIUS + 1 taps.
 
 #include "common/graph.glsl"
 
