@@ -236,9 +236,8 @@ void Compositor::Impl::plan_sensor(FramePlan& plan) {
         } else {
             const Camera frame = without_overscan(solve.camera, options.overscan);
             layer.color_transform = transform;
-            layer.color_frame = {
-                .gain = plan.optics.gain,
-                .mask_frame = {options.overscan.x, options.overscan.y, frame.width, frame.height}};
+            layer.color_frame = {.gain = plan.optics.gain,
+                                 .mask_frame = {options.overscan.x, options.overscan.y, frame.width, frame.height}};
         }
     }
     layer.repeated_blur = asked.repeated_blur;

@@ -51,6 +51,8 @@ ColorTable read_color_table(const std::filesystem::path& path) {
         }
     }
     try {
+        // Files are kept by their names alone: one that was changed would be read as it was.
+        OCIO::ClearAllCaches();
         const OCIO::FileTransformRcPtr file = OCIO::FileTransform::Create();
         file->setSrc(path.string().c_str());
         file->setInterpolation(OCIO::INTERP_BEST);

@@ -31,8 +31,8 @@ const std::vector<NamedExperiment>& all_experiments() {
                                                              {"grain", grain_experiment},
                                                              {"chromatic_aberration", chromatic_aberration_experiment},
                                                              {"softness", softness_experiment},
- {"color_transform", color_transform_experiment},
- {"repeated_blur", repeated_blur_experiment}};
+                                                             {"color_transform", color_transform_experiment},
+                                                             {"repeated_blur", repeated_blur_experiment}};
     return experiments;
 }
 

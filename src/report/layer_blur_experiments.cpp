@@ -146,7 +146,7 @@ struct LayerTrial {
     std::string name, what, reference_is;
     std::function<ImageD(const ImageD& layer)> reference;  // plate-linear, premultiplied, over the whole frame
     std::vector<std::pair<std::string, QualityLevel>> levels;
-    std::function<void(EffectSettings& effects)> on, faint;
+    std::function<void(EffectSettings&effects)> on, faint;
     std::string left_out_where;  // that `faint` is
 };
 
@@ -257,19 +257,18 @@ std::optional<Experiment> repeated_blur_experiment(const SceneStage& stage, cons
     if (!settings && !options.by_name) return std::nullopt;
     if (!settings) settings.emplace();
     return layer_experiment(
-        stage, {.name = "repeated_blur",
-                .what = "Repeated boxes over what is virtual: the whole frame is timed.",
-                .reference_is = "the boxes in double precision",
-                .reference = [settings](const ImageD& layer) { return reference_repeated_blur(layer, *settings); },
-                .levels = {{"draft", QualityLevel::draft},
-                           {"preview", QualityLevel::preview},
-                           {"final, reference", QualityLevel::final_}},
-                .on = [settings](EffectSettings& effects) { effects.repeated_blur = settings; },
-                .faint =
-                    [](EffectSettings& effects) {
-                        effects.repeated_blur = RepeatedBlurSettings{.passes = 1, .radius_px = 0};
-                    },
-                .left_out_where = "its box is one pixel wide"});
+        stage,
+        {.name = "repeated_blur",
+         .what = "Repeated boxes over what is virtual: the whole frame is timed.",
+         .reference_is = "the boxes in double precision",
+         .reference = [settings](const ImageD& layer) { return reference_repeated_blur(layer, *settings); },
+         .levels = {{"draft", QualityLevel::draft},
+                    {"preview", QualityLevel::preview},
+                    {"final, reference", QualityLevel::final_}},
+         .on = [settings](EffectSettings& effects) { effects.repeated_blur = settings; },
+         .faint =
+             [](EffectSettings& effects) { effects.repeated_blur = RepeatedBlurSettings{.passes = 1, .radius_px = 0}; },
+         .left_out_where = "its box is one pixel wide"});
 }
 
 }  // namespace matchlight

@@ -36,7 +36,8 @@ struct ColorTransformSettings {
 };
 
 /// A box along rows and one along columns, again and again: towards a Gaussian of variance passes · ((2 radius_px + 1)²
-/// − 1) / 12 (central limit theorem; Wells 1986, "Efficient Synthesis of Gaussian Filters by Cascaded Uniform Filters").
+/// − 1) / 12 (central limit theorem; Wells 1986, "Efficient Synthesis of Gaussian Filters by Cascaded Uniform
+/// Filters").
 struct RepeatedBlurSettings {
     int passes = 3;
     int radius_px = 2;  // the box is 2 radius_px + 1 pixels wide

@@ -1,4 +1,6 @@
 // Colours of the virtual layer transformed, and repeated boxes, against double precision.
+#include "render/effects/color_transform.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +9,6 @@
 
 #include "core/transfer.h"
 #include "gl_fixture.h"
-#include "render/effects/color_transform.h"
 #include "render/effects/repeated_blur.h"
 #include "report/color_transform_reference.h"
 
@@ -124,8 +125,8 @@ TEST_F(ColorTransformTest, EveryPartIsItsReference) {
     for (const Case& tried : cases) {
         ImageD reference = doubles(colors());
         reference_transform_layer(reference, gain, tried.settings, tried.table ? &*with_table.table : nullptr);
-        const ImageF made = transformed(tried.settings, tried.table ? with_table : ColorTransformFiles{},
-                                        {gain[0], gain[1], gain[2]});
+        const ImageF made =
+            transformed(tried.settings, tried.table ? with_table : ColorTransformFiles{}, {gain[0], gain[1], gain[2]});
         // Contrast and saturation multiply float's error; an eighth of a code of 8 bits would be 5e-4.
         EXPECT_LT(worst_code(made, reference, gain), 1e-4) << tried.name;
     }

@@ -1,6 +1,7 @@
 // One pass over the layer; each part of it is compiled only where the settings have it.
 #include "render/effects/color_transform.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -31,8 +32,8 @@ Eigen::Matrix3f matrix_of(const ColorTransformSettings& settings) {
     Eigen::Matrix3f matrix;
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column) {
-            matrix(row, column) = static_cast<float>(
-                settings.matrix[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)]);
+            matrix(row, column) =
+                static_cast<float>(settings.matrix[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)]);
         }
     }
     return matrix;
@@ -111,9 +112,8 @@ PlateLayer ColorTransform::add(RenderGraph& graph, ShaderLibrary& shaders, const
         program.set("gain", Eigen::Vector3f(frame.gain.cast<float>()));
         program.set("weights", matrix_of(settings_));
         if (settings_.changes_model()) {
-            program.set("model", Eigen::Vector3d(hue_of(settings_), settings_.saturation, settings_.value)
-                                     .cast<float>()
-                                     .eval());
+            program.set("model",
+                        Eigen::Vector3d(hue_of(settings_), settings_.saturation, settings_.value).cast<float>().eval());
         }
         program.set("contrast", settings_.contrast);
         program.set("brightness", settings_.brightness);
@@ -123,9 +123,9 @@ PlateLayer ColorTransform::add(RenderGraph& graph, ShaderLibrary& shaders, const
             program.set("table_size", table_size_);
         }
         if (settings_.grey != GreyKind::none) program.set("tint", vector_of(settings_.tint));
-        Eigen::Vector4f fade;
-        fade << vector_of(settings_.fade_color), static_cast<float>(settings_.fade);
-        program.set("fade", fade);
+        const std::array<double, 3>& faded_to = settings_.fade_color;
+        program.set("fade",
+                    Eigen::Vector4d(faded_to[0], faded_to[1], faded_to[2], settings_.fade).cast<float>().eval());
         if (mask_) {
             mask_.bind(2);
             program.set("mask", 2);

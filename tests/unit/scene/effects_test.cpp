@@ -169,7 +169,26 @@ grain = {read = 0.01, shot = 0.002, correlation_px = 0.7, strength = 0.5, seed =
 vignette = {v1 = -0.3, v2 = 0.1}
 chromatic_aberration = {red_px = 1.5, blue_px = -0.5}
 softness = {sigma_px = 0.6}
+color_transform = {red_from = [0, 1, 0], model = "yiq", hue_deg = 30, saturation = 0.5, value = 1.5, contrast = -1, brightness = 0.1, grey = "average", tint = [1, 0.5, 0.25], fade = 0.75, fade_color = [0, 0, 1]}
+repeated_blur = {passes = 4, radius_px = 3}
 )");
+    const ColorTransformSettings& color = *effects.color_transform;
+    EXPECT_EQ(color.matrix[0], (std::array<double, 3>{0, 1, 0}));
+    EXPECT_EQ(color.matrix[1], (std::array<double, 3>{0, 1, 0}));
+    EXPECT_EQ(color.model, ColorModel::yiq);
+    EXPECT_EQ(color.hue_deg, 30);
+    EXPECT_EQ(color.saturation, 0.5);
+    EXPECT_EQ(color.value, 1.5);
+    EXPECT_EQ(color.contrast, -1);
+    EXPECT_EQ(color.brightness, 0.1);
+    EXPECT_EQ(color.grey, GreyKind::average);
+    EXPECT_EQ(color.tint, (std::array<double, 3>{1, 0.5, 0.25}));
+    EXPECT_EQ(color.fade, 0.75);
+    EXPECT_EQ(color.fade_color, (std::array<double, 3>{0, 0, 1}));
+    EXPECT_FALSE(color.is_identity());
+    EXPECT_TRUE(ColorTransformSettings{}.is_identity());
+    EXPECT_EQ(effects.repeated_blur->passes, 4);
+    EXPECT_EQ(effects.repeated_blur->radius_px, 3);
     EXPECT_EQ(effects.grain->read, 0.01);
     EXPECT_EQ(effects.grain->shot, 0.002);
     EXPECT_EQ(effects.grain->correlation_px, 0.7);
@@ -207,6 +226,12 @@ TEST_F(EffectSettingsTest, SensorSettingsOutOfRangeAreRefused) {
              {"chromatic_aberration = {blue_px = nan}", "'blue_px' in [effects.chromatic_aberration]"},
              {"softness = {sigma_px = -1}", "'sigma_px' in [effects.softness]"},
              {"softness = {sigma_px = nan}", "'sigma_px' in [effects.softness]"},
+             {"color_transform = {contrast = nan}", "'contrast' in [effects.color_transform]"},
+             {"color_transform = {red_from = [1, 0]}", "'red_from' in [effects.color_transform]"},
+             {"color_transform = {table = \"none.cube\"}", "none.cube"},
+             {"color_transform = {grey = \"lab\"}", "'grey' in [effects.color_transform]"},
+             {"repeated_blur = {passes = 0}", "'passes' in [effects.repeated_blur]"},
+             {"repeated_blur = {radius_px = 33}", "'radius_px' in [effects.repeated_blur]"},
          }) {
         EXPECT_THAT(error_of(text + "\n"), HasSubstr(named)) << text;
     }
