@@ -149,5 +149,40 @@ scene layers "shape = \"plane\"
 material = {$stones, layers = [{texture = \"$pictures/moss.png\", alpha = 0.8}, {texture = \"$pictures/cells.png\", alpha = 0.2}], $heights}" "$near"
 picture layers
 echo "<tr><td><b>layers</b><br>MT(n) = T(n)·a + MT(n−1)·(1−a)<td><img src=\"layers.png\"><td>its numbers: tests/gpu/surface_pattern_test.cpp<td><td>" >> "$page"
+
+# What is done to colours, beside the same as it was.
+printf 'LUT_3D_SIZE 2\n%s\n' '0.05 0 0.15
+1 0.3 0
+0.1 0.6 0.3
+1 0.9 0.2
+0 0.1 0.6
+0.8 0.2 0.7
+0.2 0.7 0.9
+1 0.95 0.85' > "$folder/warm.cube"
+colored='shape = "teapot"
+material = {pattern = {kind = "marble", frequency = 4, color = [0.7, 0.2, 0.1], second_color = [0.15, 0.4, 0.7]}}'
+scene colors "$colored" "$whole"
+picture colors
+while IFS='|' read -r name settings source; do
+    scene "$name" "$colored
+[effects]
+$settings" "$whole"
+    picture "$name"
+    echo "<tr><td><b>$name</b><br><code>$settings</code><br>$source<td><img src=\"$name.png\"><td><img src=\"colors.png\"><br>untouched; its numbers: tests/gpu/color_transform_test.cpp<td><td>" >> "$page"
+done <<END
+brightness|color_transform = {brightness = 0.15}|
+contrast|color_transform = {contrast = 1.6}|
+table|color_transform = {table = "warm.cube"}|
+fade|color_transform = {fade = 0.5, fade_color = [0.8, 0.85, 0.9]}|
+grey_hsv|color_transform = {grey = "hsv"}|Smith 1978, Color Gamut Transform Pairs
+grey_average|color_transform = {grey = "average"}|
+grey_yiq|color_transform = {grey = "yiq"}|NTSC 1953
+tinted_grey|color_transform = {grey = "yiq", tint = [1, 0.82, 0.6]}|
+hue_hsv|color_transform = {hue_deg = 120}|Smith 1978, Color Gamut Transform Pairs
+hue_yiq|color_transform = {model = "yiq", hue_deg = 120}|NTSC 1953
+matrix|color_transform = {red_from = [0, 0, 1], blue_from = [1, 0, 0]}|
+mask|color_transform = {grey = "yiq", mask = "$pictures/cells.png"}|
+repeated_blur|repeated_blur = {passes = 4, radius_px = 2}|Wells 1986, Efficient Synthesis of Gaussian Filters by Cascaded Uniform Filters
+END
 echo "</table>" >> "$page"
 echo "The page is $page"

@@ -1,5 +1,9 @@
 #version 450 core
 // Spheres seen along parallel light from both sides at once: the height towards either. Links with spheres/sphere.vert.
+
+#ifndef PARALLEL
+#define PARALLEL
+#endif
 #include "spheres/meet.glsl"
 
 layout(location = 0) out vec2 heights;
