@@ -55,13 +55,16 @@ vec4 lamp_depths(int face, vec3 clip, out vec2 share) {
     return textureGather(lamp_depth, vec3((floor(at) + 1.0) / size, float(face)));
 }
 
+// Of parallel light, behind all casters it is below 0, which is where the map has none.
+float lamp_depth_of(vec4 clip) { return max(clip.z / clip.w, 0.0); }
+
 // Whether casters leave the lamp's middle to a point: percentage-closer over the four nearest texels (Reeves, Salesin & Cook
 // 1987, "Rendering Antialiased Shadows with Depth Maps").
 float lamp_seen(int face, vec3 world_position) {
     vec4 clip = lamp_clip_from_world[face] * vec4(world_position, 1.0);
     vec2 t;
     vec4 depths = lamp_depths(face, clip.xyz / clip.w, t);
-    vec4 seen = vec4(lessThanEqual(depths, vec4(clip.z / clip.w)));
+    vec4 seen = vec4(lessThanEqual(depths, vec4(lamp_depth_of(clip))));
     // In textureGather's order: (0, 1), (1, 1), (1, 0), (0, 0).
     return mix(mix(seen.w, seen.z, t.x), mix(seen.x, seen.y, t.x), t.y);
 }
@@ -94,7 +97,7 @@ float lamp_seen_through_maps(Lamp lamp, LampLight light, vec3 world_position, ve
         if (clip.w <= 0.0) continue;
         vec2 unused;
         float depth = lamp_depths(map.face, clip.xyz / clip.w, unused).w;
-        if (depth <= clip.z / clip.w) continue;
+        if (depth <= lamp_depth_of(clip)) continue;
         nearer += is_placed ? 1.0 / depth : depth;
         found += 1.0;
     }
