@@ -1,4 +1,7 @@
 // Focus, the opening and the angle of view.
+#include <array>
+#include <string_view>
+
 #include <imgui.h>
 
 #include "preview/panels.h"
@@ -12,7 +15,8 @@ void lay_out_lens_panel(Session& session, Controls& controls) {
     if (!session.scene().camera) return;
     ImGui::Spacing();
     ImGui::TextUnformatted("Camera");
-    lay_out_section(session, controls, "camera", "camera", {"keys", "width", "height", "frames", "fps"});
+    static constexpr std::array<std::string_view, 5> left_out{"keys", "width", "height", "frames", "fps"};
+    lay_out_section(session, controls, "camera", "camera", left_out);
 }
 
 }  // namespace matchlight

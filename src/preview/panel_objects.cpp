@@ -1,4 +1,7 @@
 // What is virtual in the picture.
+#include <array>
+#include <string_view>
+
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -44,7 +47,8 @@ void lay_out_objects_panel(Session& session, Controls& controls) {
     const std::string key = fmt::format("object[{}]", *session.chosen());
     ImGui::Separator();
     // Which file it comes from and how it moves are said once, and not by sliders.
-    lay_out_section(session, controls, "object", key, {"model", "shape", "spheres", "sphere", "spin", "keys"});
+    static constexpr std::array<std::string_view, 6> left_out{"model", "shape", "spheres", "sphere", "spin", "keys"};
+    lay_out_section(session, controls, "object", key, left_out);
 }
 
 }  // namespace matchlight

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -143,6 +144,43 @@ void lay_out_words(Session& session, Controls& controls, const Setting& setting,
     }
 }
 
+/// Settings of a section that few scenes give: under a name of their own, closed until one of them is given.
+struct SettingGroup {
+    std::string_view name;
+    std::vector<std::string_view> keys;
+
+    bool has(const Setting& setting) const { return std::ranges::find(keys, setting.key) != keys.end(); }
+};
+
+std::span<const SettingGroup> groups_of(std::string_view section_name) {
+    static const std::vector<SettingGroup> of_material{
+        {"shading",
+         {"shading", "shininess", "tones", "warm", "cool", "warm_share", "cool_share", "outline", "outline_color"}},
+        {"relief", {"normal_map", "height_map", "height", "relief", "relief_steps"}},
+        {"sampling", {"uv_scale", "texture_filter", "texture_wrap", "anisotropy"}}};
+    static const std::vector<SettingGroup> of_object{
+        {"animation", {"animation", "animation_speed", "animation_start", "animation_loop"}}};
+    if (section_name == "object.material") return of_material;
+    if (section_name == "object") return of_object;
+    return {};
+}
+
+void lay_out_group(Session& session, Controls& controls, const SettingGroup& group, std::string_view section_name,
+                   const std::string& section_key) {
+    const bool is_given = std::ranges::any_of(group.keys, [&](std::string_view key) {
+        return session.values().is_written(fmt::format("{}.{}", section_key, key));
+    });
+    if (!ImGui::TreeNodeEx(fmt::format("{}##{}", group.name, section_key).c_str(),
+                           is_given ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None)) {
+        return;
+    }
+    for (const Setting& setting : scene_settings()) {
+        if (setting.section == section_name && group.has(setting))
+            lay_out_setting(session, controls, setting, section_key);
+    }
+    ImGui::TreePop();
+}
+
 }  // namespace
 
 void lay_out_setting(Session& session, Controls& controls, const Setting& setting, const std::string& section_key) {
@@ -150,7 +188,10 @@ void lay_out_setting(Session& session, Controls& controls, const Setting& settin
     const SettingKind kind = setting.domain.kind;
     if (kind == section) {
         const std::string name = fmt::format("{}.{}", setting.section, setting.key);
-        if (ImGui::TreeNodeEx(fmt::format("{}##{}", label_of(setting), key).c_str(), ImGuiTreeNodeFlags_DefaultOpen)) {
+        // A table within a table is closed until the scene has it.
+        const bool is_open = setting.section.find('.') == std::string_view::npos || session.values().is_table(key);
+        if (ImGui::TreeNodeEx(fmt::format("{}##{}", label_of(setting), key).c_str(),
+                              is_open ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None)) {
             lay_out_section(session, controls, name, key);
             ImGui::TreePop();
         }
@@ -181,12 +222,16 @@ void lay_out_setting(Session& session, Controls& controls, const Setting& settin
 }
 
 void lay_out_section(Session& session, Controls& controls, std::string_view section_name,
-                     const std::string& section_key, std::initializer_list<std::string_view> left_out_keys) {
+                     const std::string& section_key, std::span<const std::string_view> left_out_keys) {
+    const std::span<const SettingGroup> groups = groups_of(section_name);
     for (const Setting& setting : scene_settings()) {
-        if (setting.section != section_name) continue;
+        const bool is_grouped =
+            std::ranges::any_of(groups, [&](const SettingGroup& group) { return group.has(setting); });
+        if (setting.section != section_name || is_grouped) continue;
         if (std::ranges::find(left_out_keys, setting.key) != left_out_keys.end()) continue;
         lay_out_setting(session, controls, setting, section_key);
     }
+    for (const SettingGroup& group : groups) lay_out_group(session, controls, group, section_name, section_key);
 }
 
 void lay_out_effect(Session& session, Controls& controls, const Setting& setting) {

@@ -1,7 +1,7 @@
 // Controls of the scene file's settings, made from the table that also checks and documents them.
 #pragma once
 
-#include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -17,7 +17,7 @@ void lay_out_setting(Session& session, Controls& controls, const Setting& settin
 
 /// All settings of a section, and of those within it; `section_key` is the section's place in this scene.
 void lay_out_section(Session& session, Controls& controls, std::string_view section, const std::string& section_key,
-                     std::initializer_list<std::string_view> left_out = {});
+                     std::span<const std::string_view> left_out = {});
 
 /// An effect: off, matched or by hand; and by hand its settings.
 void lay_out_effect(Session& session, Controls& controls, const Setting& effect);
