@@ -71,7 +71,7 @@ LampSettings read_light(const GltfDocument& document, const json& light, const s
 Eigen::Matrix4d parent_from_node(const GltfDocument& document, std::size_t number) {
     const std::string where = place_in("nodes", number);
     const json& node = document.item("nodes", number);
-    const auto numbers = [&](const char* key, std::size_t size, std::vector<double> fallback) {
+    const auto numbers = [&](const char* key, std::size_t size, const std::vector<double>& fallback) {
         const json given = document.numbers_of(node, key, size, where);
         return given.is_null() ? fallback : given.get<std::vector<double>>();
     };

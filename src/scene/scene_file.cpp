@@ -101,8 +101,9 @@ void SceneReader::check_sections(const toml::table& root) {
                          "write [[light]] for an analytic light");
         }
         // Before any value is read: a misspelt key is why another one is missing.
+        const bool is_list_of_lights = section->name == "light" && node.is_array();
         for_each_table(node, [&](const toml::table& table) {
-            const bool is_lamp = section->name == "light" && node.is_array() && !table.contains("probe");
+            const bool is_lamp = is_list_of_lights && !table.contains("probe");
             check_keys(is_lamp ? *find_section(lamp_section) : *section, table);
         });
     }
