@@ -78,7 +78,7 @@ END
 # row NAME REFERENCE SOURCE: the two pictures, how far apart they are, how much longer the first took.
 row() {
     local flip time reference_time ratio
-    flip=$("$matchlight" compare "$folder/$2.png" "$folder/$1.png" | 2>/dev/null | awk '$1 == "mean" { print $2 }')
+    flip=$("$matchlight" compare "$folder/$2.png" "$folder/$1.png" 2>/dev/null | awk '$1 == "mean" { print $2 }')
     time=$(milliseconds "$1") reference_time=$(milliseconds "$2")
     ratio=$(awk -v a="${time:-0}" -v b="${reference_time:-0}" 'BEGIN { if (b > 0) printf "%.2f", a / b; else printf "?" }')
     echo "<tr><td><b>$1</b><br>$3<td><img src=\"$1.png\"><td><img src=\"$2.png\"><br>$2<td>$flip<td>$ratio of the reference" >> "$page"
