@@ -158,6 +158,12 @@ TEST_F(ColorTransformTest, LightThatCoversNothingStays) {
     }
 }
 
+TEST_F(ColorTransformTest, LeavingOutWhatChangesNoColorChangesNoBit) {
+    ASSERT_TRUE(ColorTransformSettings{}.is_identity());
+    EXPECT_TRUE(std::ranges::equal(transformed({}, {}, {0.7, 1.1, 1.6}).samples(), colors().samples()));
+    EXPECT_FALSE(std::ranges::equal(transformed({.brightness = 1e-3}).samples(), colors().samples()));
+}
+
 TEST_F(ColorTransformTest, AMaskSaysWhere) {
     ImageF mask(2, 1, 1);
     mask.at(1, 0) = 1;

@@ -68,7 +68,7 @@ vec3 transformed(vec3 code) {
 #if MODEL
     code = changed(code);
 #endif
-    code = (code - 0.5) * contrast + 0.5 + brightness;
+    code = code * contrast + (0.5 - 0.5 * contrast + brightness);
 #if TABLE
     code = looked_up(code);
 #endif
@@ -88,7 +88,9 @@ void main() {
     // Light that covers nothing has no colour of its own.
     if (light.a <= 0.0) return;
     vec3 code = code_from_linear(max(light.rgb / light.a * gain, 0.0));
-    vec3 after = light.a * linear_from_code(transformed(code)) / gain;
+    vec3 made = transformed(code), after = light.a * linear_from_code(made) / gain;
+    // Codes that stay leave the light as it is, to the bit: nothing is gained by a way there and back.
+    after = mix(after, light.rgb, equal(made, code));
 #if MASK
     float share = texture(mask, (vec2(texel) + 0.5 - mask_frame.xy) / mask_frame.zw).r;
     after = mix(light.rgb, after, share);
