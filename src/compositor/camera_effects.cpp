@@ -32,8 +32,9 @@ void CameraEffects::set_settings(const EffectSettings& settings) {
 }
 
 void CameraEffects::set_quality(const Quality& quality) {
+    const bool same_table = quality.sensor == quality_.sensor;
     quality_ = quality;
-    make_color_transform();
+    if (!same_table) make_color_transform();
     for (Glare& glare : glares_) glare.wave.reset();  // its kernel is of another quality
 }
 

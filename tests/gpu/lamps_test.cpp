@@ -20,32 +20,8 @@ constexpr double pi = std::numbers::pi;
 constexpr int size = 100;
 constexpr double pixel_m = 0.004;
 
-/// Straight down on 0.4 m of the plane z = 0 from 5 m above; row 0 shows the largest y.
-SurfaceView from_above() {
-    SurfaceView view;
-    view.width = view.height = size;
-    view.samples = 1;
-    RigidTransform camera_from_world = RigidTransform::Identity();
-    camera_from_world.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
-    camera_from_world.translation() = Eigen::Vector3d(0, 0, 5);
-    PinholeView pinhole;
-    pinhole.fx = pinhole.fy = 5 / pixel_m;
-    pinhole.cx = pinhole.cy = (size - 1) / 2.0;
-    pinhole.width = pinhole.height = size;
-    view.clip_from_world = clip_from_camera(pinhole) * camera_from_world.matrix();
-    view.eye_world_m = Eigen::Vector3d(0, 0, 5);
-    return view;
-}
-
 Eigen::Vector3d seen_at(int x, int y) {
     return {(x - (size - 1) / 2.0) * pixel_m, ((size - 1) / 2.0 - y) * pixel_m, 0};
-}
-
-SurfaceObject white_diffuse(const Model& model) {
-    SurfaceObject object{.model = &model, .reflection = ReflectionForm::sphere_map};
-    object.material.diffuse = {1, 1, 1};
-    object.material.specular = {0, 0, 0};
-    return object;
 }
 
 LampSettings point_lamp() {

@@ -31,30 +31,6 @@ Probe sky_with_lamp() {
     });
 }
 
-SurfaceObject white_diffuse(const Model& model) {
-    SurfaceObject object{.model = &model, .reflection = ReflectionForm::sphere_map};
-    object.material.diffuse = {1, 1, 1};
-    object.material.specular = {0, 0, 0};
-    return object;
-}
-
-/// Looks straight down on 0.4 m of the plane from 5 m above; row 0 shows the largest y.
-SurfaceView from_above() {
-    SurfaceView view;
-    view.width = view.height = 100;
-    view.samples = 1;
-    RigidTransform camera_from_world = RigidTransform::Identity();
-    camera_from_world.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
-    camera_from_world.translation() = Eigen::Vector3d(0, 0, 5);
-    PinholeView pinhole;
-    pinhole.fx = pinhole.fy = 5 * 100 / 0.4;
-    pinhole.cx = pinhole.cy = 49.5;
-    pinhole.width = pinhole.height = 100;
-    view.clip_from_world = clip_from_camera(pinhole) * camera_from_world.matrix();
-    view.eye_world_m = Eigen::Vector3d(0, 0, 5);
-    return view;
-}
-
 TEST_F(ObjectShadowTest, DimsAPlaneUnderASphereAsTheReferenceDoes) {
     const Eigen::Vector3d centre(0, 0, 0.08);
     constexpr double radius = 0.05;
@@ -62,13 +38,13 @@ TEST_F(ObjectShadowTest, DimsAPlaneUnderASphereAsTheReferenceDoes) {
     plane.meshes[0] = with_short_edges(plane.meshes[0], 0.005, 100000);
     const Model sphere = test::make_sphere(radius);
     SurfaceRenderer surfaces(shaders_);
-    surfaces.add_object(white_diffuse(plane));
-    SurfaceObject ball = white_diffuse(sphere);
+    surfaces.add_object(test::white_diffuse(plane));
+    SurfaceObject ball = test::white_diffuse(sphere);
     ball.world_from_model.block<3, 1>(0, 3) = centre;
     surfaces.add_object(ball);
     const Probe probe = sky_with_lamp();
     const Environment environment(shaders_, probe);
-    const SurfaceView view = from_above();
+    const SurfaceView view = test::from_above();
     const auto read = [&] {
         return surfaces.draw(environment, view).color->read<float>({0, 0, view.width, view.height}, 4);
     };
@@ -108,10 +84,10 @@ TEST_F(ObjectShadowTest, DimsAPlaneUnderASphereAsTheReferenceDoes) {
 TEST_F(ObjectShadowTest, AConvexBodyAloneShadesItselfNowhere) {
     const Model sphere = test::make_sphere(0.1);
     SurfaceRenderer surfaces(shaders_);
-    surfaces.add_object(white_diffuse(sphere));
+    surfaces.add_object(test::white_diffuse(sphere));
     const Probe probe = sky_with_lamp();
     const Environment environment(shaders_, probe);
-    const SurfaceView view = from_above();
+    const SurfaceView view = test::from_above();
     const auto read = [&] {
         return surfaces.draw(environment, view).color->read<float>({0, 0, view.width, view.height}, 4);
     };

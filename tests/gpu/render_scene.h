@@ -162,4 +162,29 @@ inline std::optional<Eigen::Vector3d> hit_sphere(const Eigen::Vector3d& eye, con
     return eye + (-b - std::sqrt(discriminant)) * ray;
 }
 
+/// Lambert's white, without a highlight.
+inline SurfaceObject white_diffuse(const Model& model) {
+    SurfaceObject object{.model = &model, .reflection = ReflectionForm::sphere_map};
+    object.material.diffuse = {1, 1, 1};
+    object.material.specular = {0, 0, 0};
+    return object;
+}
+
+/// Straight down on 0.4 m of the plane z = 0 from 5 m above, 100 pixels wide; row 0 shows the largest y.
+inline SurfaceView from_above() {
+    SurfaceView view;
+    view.width = view.height = 100;
+    view.samples = 1;
+    RigidTransform camera_from_world = RigidTransform::Identity();
+    camera_from_world.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
+    camera_from_world.translation() = Eigen::Vector3d(0, 0, 5);
+    PinholeView pinhole;
+    pinhole.fx = pinhole.fy = 5 * 100 / 0.4;
+    pinhole.cx = pinhole.cy = 49.5;
+    pinhole.width = pinhole.height = 100;
+    view.clip_from_world = clip_from_camera(pinhole) * camera_from_world.matrix();
+    view.eye_world_m = Eigen::Vector3d(0, 0, 5);
+    return view;
+}
+
 }  // namespace matchlight::test
