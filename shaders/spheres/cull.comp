@@ -10,7 +10,7 @@ layout(std430, binding = 0) buffer Draws { Draw draws[]; };
 layout(std430, binding = 1) readonly buffer Boxes { vec4 boxes[]; };  // low, high; one pair a draw
 
 uniform int first_draw, draw_count;
-uniform mat4 clip_from_model;
+uniform mat4 clip_from_model, clip_from_model_low;  // floats, and (LONG_LENS) what they left of it
 uniform vec2 picture_px;
 uniform sampler2D pyramid;         // the first level holds the farthest depth of 2 × 2 pixels; PEELED: the nearest
 uniform int levels;
@@ -45,7 +45,11 @@ void main() {
     float nearest = 0.0, farthest = 1.0;
     for (int corner = 0; corner < 8; ++corner) {
         vec3 at = mix(low_m, high_m, vec3(corner & 1, (corner >> 1) & 1, corner >> 2));
+#ifdef LONG_LENS
+        vec4 clip = vec4((dmat4(clip_from_model) + dmat4(clip_from_model_low)) * dvec4(at, 1.0));
+#else
         vec4 clip = clip_from_model * vec4(at, 1.0);
+#endif
         if (clip.w <= clip.z) return;  // before the near plane: seen
         low = min(low, clip.xy / clip.w);
         high = max(high, clip.xy / clip.w);

@@ -1,7 +1,13 @@
 // Where a pixel's ray meets the sphere that spheres/sphere.vert placed there.
 #include "spheres/ray.glsl"
 
+#ifdef LONG_LENS
+flat in vec2 about_ndc;  // spheres/long_lens.glsl
+flat in vec3 left_linear, left_square, along;
+flat in float meeting_radius;
+#else
 flat in vec4 seen_sphere;
+#endif
 flat in float power;
 flat in uint sphere_id;
 
@@ -24,8 +30,16 @@ float meet_depth() { return meet_depths().x; }
 #else
 // The same, as the depth buffer has it.
 float meet_depth() {
+#ifdef LONG_LENS
+    vec2 ndc = picture_ndc(), aside = ndc - about_ndc;
+    vec3 direction = ray_direction(ndc), step = vec3(1.0, aside);
+    float left = dot(left_linear, step) + dot(left_square, vec3(aside.x * aside, aside.y * aside.y));
+    if (!(left >= 0.0)) return -1.0;
+    float z_m = nearest_by_root(dot(direction, direction), dot(along, step), power, meeting_radius * sqrt(left));
+#else
     vec3 direction = ray_direction(picture_ndc());
     float z_m = nearest_on_sphere(seen_sphere, power, direction);
+#endif
     return z_m < 0.0 ? -1.0 : near_plane_m / z_m;
 }
 #endif

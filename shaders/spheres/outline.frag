@@ -8,7 +8,7 @@ uniform sampler2D seen_depth;   // near_m / z
 uniform samplerBuffer spheres;  // centre, radius
 uniform uint first_id, end_id;  // of the set
 uniform vec3 eye_high, eye_low; // in the set's axes
-uniform mat3 camera_from_model; // of directions, with the set's scale
+uniform mat3 camera_from_model, camera_from_model_low; // of directions, with the set's scale; what floats left of it
 
 layout(location = 0) out vec4 outline;  // centre in camera axes (x right, y up, z forward) in metres; the tangent of its angular radius
 
@@ -24,5 +24,5 @@ void main() {
     float power = float(dot(centre, centre) - double(sphere.w) * double(sphere.w));
     // From inside it is all around.
     const float all_around = -1.0;
-    outline = vec4(camera_from_model * vec3(centre), power > 0.0 ? sphere.w / sqrt(power) : all_around);
+    outline = vec4((dmat3(camera_from_model) + dmat3(camera_from_model_low)) * centre, power > 0.0 ? sphere.w / sqrt(power) : all_around);
 }

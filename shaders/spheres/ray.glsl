@@ -8,18 +8,9 @@ vec2 ndc_of(vec2 pixel) { return vec2(2.0, -2.0) * pixel / picture_px + vec2(-1.
 vec2 picture_ndc() { return ndc_of(gl_FragCoord.xy); }
 vec3 ray_direction(vec2 ndc) { return ray_from_ndc * vec3(ndc, 1.0); }
 
-// The nearest place at or beyond the near plane, in multiples of the direction, −1: none. `power` is that of the eye in
-// the sphere. (Haines, Günther & Akenine-Möller 2019, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
-// Gems, ch. 7: from the foot of the centre on the ray, and the nearer root by the product of both.)
-float nearest_on_sphere(vec4 from_centre_radius, float power, vec3 direction) {
-    vec3 from_centre = from_centre_radius.xyz;
-    float radius = from_centre_radius.w;
-    float a = dot(direction, direction);
-    float b = dot(from_centre, direction);
-    vec3 foot = from_centre - (b / a) * direction;
-    float left = (radius - length(foot)) * (radius + length(foot));
-    if (!(left >= 0.0)) return -1.0;
-    float root = sqrt(a * left);
+// The nearest place at or beyond the near plane, in multiples of the direction, −1: none. `a` is the square of the
+// direction, `b` its product with the eye less the centre, `root` that of what is left of the radius' square.
+float nearest_by_root(float a, float b, float power, float root) {
     float nearer, farther;
     if (b < 0.0) {
         nearer = power / (root - b);
@@ -30,6 +21,19 @@ float nearest_on_sphere(vec4 from_centre_radius, float power, vec3 direction) {
     }
     float met = nearer >= near_plane_m ? nearer : farther;
     return met >= near_plane_m ? met : -1.0;
+}
+
+// The same of a sphere, `power` that of the eye in it. (Haines, Günther & Akenine-Möller 2019, "Precision Improvements for
+// Ray/Sphere Intersection", Ray Tracing Gems, ch. 7: from the foot of the centre on the ray, and the nearer root by the
+// product of both.)
+float nearest_on_sphere(vec4 from_centre_radius, float power, vec3 direction) {
+    vec3 from_centre = from_centre_radius.xyz;
+    float radius = from_centre_radius.w;
+    float a = dot(direction, direction);
+    float b = dot(from_centre, direction);
+    vec3 foot = from_centre - (b / a) * direction;
+    float left = (radius - length(foot)) * (radius + length(foot));
+    return left >= 0.0 ? nearest_by_root(a, b, power, sqrt(a * left)) : -1.0;
 }
 
 uniform bool some_stand_for_others;  // and are drawn larger than they are (render/sphere_culling.h: SphereDetail)

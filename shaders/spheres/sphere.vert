@@ -14,8 +14,12 @@ uniform vec3 eye_high, eye_low;  // in the model's axes; their sum has twice a f
 uniform vec2 picture_px;
 uniform uint first_id;          // of the set's first sphere
 
+#ifdef LONG_LENS
+#include "spheres/long_lens.glsl"
+#else
 flat out vec4 seen_sphere;      // the eye less the centre, radius; PARALLEL: centre in clip space, radius
 flat out float power;           // |eye − centre|² − radius²
+#endif
 flat out uint sphere_id;
 
 const float padding_px = 1.0;   // for rounding
@@ -37,7 +41,12 @@ void main() {
 #endif
     sphere_id = first_id + uint(number);
     mat4 rows = transpose(clip_from_model);
+#ifdef LONG_LENS
+    dvec3 from_eye = dvec3(centre) - dvec3(eye_high) - dvec3(eye_low);
+    vec4 clip = clip_of(from_eye);
+#else
     vec4 clip = clip_from_model * vec4(centre, 1.0);
+#endif
     vec2 middle, half_size;
     float depth;
     bool is_everywhere = false;
@@ -48,6 +57,7 @@ void main() {
     half_size = radius * vec2(length(rows[0].xyz), length(rows[1].xyz));
     depth = clip.z + radius * length(rows[2].xyz);
 #else
+#ifndef LONG_LENS
     vec3 from_centre = (eye_high - centre) + eye_low;
     seen_sphere = vec4(from_centre, radius);
 #ifdef TRIANGLES
@@ -57,6 +67,7 @@ void main() {
 #else
     float away = length(from_centre);
     power = (away - radius) * (away + radius);
+#endif
 #endif
     // The box around the projected sphere, by its dual quadric (Sigg, Weyrich, Botsch & Gross 2006, "GPU-Based Ray-Casting of
     // Quadratic Surfaces").
@@ -73,6 +84,9 @@ void main() {
     is_everywhere = nearest_w < 1e-3 * reach_w || radius > many * nearest_w;
     if (is_everywhere) depth = nearest_w * slack <= clip.z ? 1.0 : depth;
     if (clip.w + reach_w <= 0.0) half_size = vec2(-1e30);
+#ifdef LONG_LENS
+    set_meeting(from_eye, radius, is_everywhere ? vec2(0.0) : middle);
+#endif
 #endif
     half_size += 2.0 * padding_px / picture_px;
 #ifdef TRIANGLES

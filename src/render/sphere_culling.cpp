@@ -167,9 +167,10 @@ void SphereCulling::draw_round(const Drawn& drawn, const List& list, std::size_t
 void SphereCulling::cull(const Drawn& drawn, const DepthPyramid& pyramid, const List& list, std::size_t first,
                          std::size_t end) {
     if (first == end) return;
-    Program& program = shaders_.compute("spheres/cull.comp", pyramid.holds() == DepthPyramid::Holds::nearest
-                                                                 ? ShaderDefines{{"PEELED", "1"}}
-                                                                 : ShaderDefines{});
+    ShaderDefines defines;
+    if (pyramid.holds() == DepthPyramid::Holds::nearest) defines["PEELED"] = "1";
+    if (drawn.rays.is_long_lens()) defines["LONG_LENS"] = "1";
+    Program& program = shaders_.compute("spheres/cull.comp", defines);
     program.use();
     drawn.rays.set(program);
     pyramid.bind(program, sphere_geometry_unit);

@@ -51,9 +51,26 @@ Eigen::Vector3d SphereRays::origin() const {
     return -(ray_from_ndc_ * offset);
 }
 
+bool SphereRays::is_long_lens() const {
+    if (is_parallel_) return false;
+    // What a direction is rounded by, thrice, is then more than a fiftieth of a pixel.
+    constexpr double narrow = 1e-5;
+    const double pixel = std::min(2 * ray_from_ndc_.col(0).norm() / width_, 2 * ray_from_ndc_.col(1).norm() / height_);
+    return pixel < narrow * ray_from_ndc_.col(2).norm();
+}
+
 void SphereRays::set(Program& program) const {
-    program.set("clip_from_model", Eigen::Matrix4f(clip_from_model_.cast<float>()));
-    program.set("ray_from_ndc", Eigen::Matrix3f(ray_from_ndc_.cast<float>()));
+    const Eigen::Matrix4f clip_from_model = clip_from_model_.cast<float>();
+    const Eigen::Matrix3f ray_from_ndc = ray_from_ndc_.cast<float>();
+    program.set("clip_from_model", clip_from_model);
+    program.set("ray_from_ndc", ray_from_ndc);
+    const bool is_long = is_long_lens();
+    program.set("is_long_lens", is_long);
+    if (is_long) {
+        program.set("clip_from_model_low",
+                    Eigen::Matrix4f((clip_from_model_ - clip_from_model.cast<double>()).cast<float>()));
+        program.set("ray_from_ndc_low", Eigen::Matrix3f((ray_from_ndc_ - ray_from_ndc.cast<double>()).cast<float>()));
+    }
     program.set("picture_px", Eigen::Vector2f(static_cast<float>(width_), static_cast<float>(height_)));
     if (is_parallel_) {
         program.set("depth_from_model", Eigen::Vector3f(clip_from_model_.row(2).head<3>().transpose().cast<float>()));

@@ -26,6 +26,8 @@ public:
 
     /// The uniforms of shaders/spheres/ray.glsl and sphere.vert, but for `first_id`.
     void set(Program& program) const;
+    /// Floats do not tell the rays of neighbouring pixels apart: spheres take programs with LONG_LENS.
+    bool is_long_lens() const;
 
     /// What of the view a cell is in.
     enum class Place {

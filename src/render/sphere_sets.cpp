@@ -77,13 +77,14 @@ void SphereSets::draw(std::span<const PlacedSpheres> placed, int width, int heig
 void SphereSets::draw_each(const EachDraw& drawn) {
     const std::vector<ShaderStage> stages{{GL_VERTEX_SHADER, "spheres/sphere.vert"},
                                           {GL_FRAGMENT_SHADER, drawn.fragment}};
-    Program& points = shaders_.program(stages, drawn.defines);
-    ShaderDefines of_triangles = drawn.defines;
-    of_triangles["TRIANGLES"] = "1";
-    Program& triangles = shaders_.program(stages, of_triangles);
     for (const PlacedSpheres& one : drawn.placed) {
         const SphereRays rays({.clip_from_world = one.clip_from_world, .width = drawn.width, .height = drawn.height},
                               one.world_from_model);
+        ShaderDefines defines = drawn.defines;
+        if (rays.is_long_lens()) defines["LONG_LENS"] = "1";
+        Program& points = shaders_.program(stages, defines);
+        defines["TRIANGLES"] = "1";
+        Program& triangles = shaders_.program(stages, defines);
         for (Program* program : {&points, &triangles}) {
             program->use();
             rays.set(*program);

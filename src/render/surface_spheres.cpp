@@ -298,21 +298,25 @@ void SurfaceRenderer::soften_sphere_edges(const SurfaceView& view, const Texture
     std::vector<const Texture2D*> drawn{&targets_->color};
     if (view.lens) drawn.push_back(&targets_->focused.focus_share);
     if (view.parts_coverage) drawn.push_back(&targets_->covered.coverage);
-    sphere_edges_.soften({.seen = seen_spheres_,
-                          .depth = &depth,
-                          .drawn = drawn,
-                          .width = view.width,
-                          .height = view.height,
-                          .near_m = view.clip_from_world(2, 3),
-                          .side = std::min(view.sphere_edge_places, most_edge_places),
-                          .camera_from_ndc = rays},
-                         [&](Program& outline) {
-                             draw_seen_spheres(outline, view, [&](Program& program, std::size_t index) {
-                                 const Eigen::Matrix3d axes = picture_axes(view_of_object(view, index).clip_from_world *
-                                                                           objects_[index].world_from_model);
-                                 program.set("camera_from_model", Eigen::Matrix3f((rays * axes).cast<float>()));
-                             });
-                         });
+    sphere_edges_.soften(
+        {.seen = seen_spheres_,
+         .depth = &depth,
+         .drawn = drawn,
+         .width = view.width,
+         .height = view.height,
+         .near_m = view.clip_from_world(2, 3),
+         .side = std::min(view.sphere_edge_places, most_edge_places),
+         .camera_from_ndc = rays},
+        [&](Program& outline) {
+            draw_seen_spheres(outline, view, [&](Program& program, std::size_t index) {
+                const Eigen::Matrix3d axes =
+                    picture_axes(view_of_object(view, index).clip_from_world * objects_[index].world_from_model);
+                const Eigen::Matrix3d exact = rays * axes;
+                const Eigen::Matrix3f rounded = exact.cast<float>();
+                program.set("camera_from_model", rounded);
+                program.set("camera_from_model_low", Eigen::Matrix3f((exact - rounded.cast<double>()).cast<float>()));
+            });
+        });
 }
 
 void SurfaceRenderer::cast_shadow_spheres(const SphereCast& cast) const {

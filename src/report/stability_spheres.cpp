@@ -15,24 +15,10 @@
 #include "report/sphere_reference.h"
 #include "report/sphere_stage.h"
 #include "report/stability_cases.h"
+#include "report/stability_sphere_views.h"
 
 namespace matchlight {
 namespace {
-
-constexpr int side_px = 96;
-
-ReferenceView view_from(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& target_m, double focal_px, double near_m) {
-    ReferenceView view;
-    view.camera_from_world = camera_looking_along(eye_m, (target_m - eye_m).normalized());
-    view.pinhole = {.fx = focal_px,
-                    .fy = focal_px,
-                    .cx = (side_px - 1) / 2.0,
-                    .cy = (side_px - 1) / 2.0,
-                    .width = side_px,
-                    .height = side_px,
-                    .near_m = near_m};
-    return view;
-}
 
 /// What the GPU sees against what rays meet, off silhouettes and seams.
 struct Seen {
@@ -55,15 +41,15 @@ Seen seen_of(const SphereSet& set, const ReferenceView& view, const LeftOut& lef
     PlacedSpheres placed;
     placed.set = sets.add(set);
     placed.clip_from_world = clip_from_camera(view.pinhole) * view.camera_from_world.matrix();
-    const SeenSpheres gpu = sets.see(std::span(&placed, 1), side_px, side_px);
-    const auto id = gpu.id->read<std::uint32_t>({0, 0, side_px, side_px}, 1);
-    const auto share = gpu.depth_share->read<float>({0, 0, side_px, side_px}, 1);
+    const SeenSpheres gpu = sets.see(std::span(&placed, 1), sphere_case_side_px, sphere_case_side_px);
+    const auto id = gpu.id->read<std::uint32_t>({0, 0, sphere_case_side_px, sphere_case_side_px}, 1);
+    const auto share = gpu.depth_share->read<float>({0, 0, sphere_case_side_px, sphere_case_side_px}, 1);
     SphereCaster rays;
     rays.add_set(set);
     const SpherePicture expected = reference_picture(rays, view);
     Seen seen;
-    for (int y = 0; y < side_px; ++y) {
-        for (int x = 0; x < side_px; ++x) {
+    for (int y = 0; y < sphere_case_side_px; ++y) {
+        for (int x = 0; x < sphere_case_side_px; ++x) {
             const bool is_seen = id.at(x, y) != 0, is_met = expected.ids.at(x, y) != no_sphere;
             seen.covered += is_seen ? 1 : 0;
             if (left_out(rays, view, x, y)) continue;
@@ -77,39 +63,12 @@ Seen seen_of(const SphereSet& set, const ReferenceView& view, const LeftOut& lef
     return seen;
 }
 
-SphereSet set_of(std::vector<Sphere> spheres) {
-    SphereSet set;
-    set.spheres = std::move(spheres);
-    set.update_bounds();
-    return set;
-}
-
-Sphere sphere_at(const Eigen::Vector3d& centre_m, double radius_m) {
-    const Eigen::Vector3f centre = centre_m.cast<float>();
-    return {{centre.x(), centre.y(), centre.z()}, static_cast<float>(radius_m)};
-}
-
-/// One metre away from the eye, and filling some of the picture, by a long lens if need be.
-struct OneSphere {
-    SphereSet set;
-    ReferenceView view;
-};
-
-OneSphere one_sphere(double radius_m) {
-    // Its top is the origin; huge ones stay where floats can hold both top and centre.
-    const Eigen::Vector3d centre(0, 0, -radius_m);
-    const Eigen::Vector3d toward_eye = Eigen::Vector3d(0.48, -0.6, 0.64);
-    const double half_px = 0.35 * side_px, focal_px = half_px / std::min(radius_m, 0.35);
-    return {set_of({sphere_at(centre, radius_m)}),
-            view_from(toward_eye, radius_m < 1 ? centre : Eigen::Vector3d(0, 0, 0), focal_px, 0.01)};
-}
-
 /// One sphere for each pixel, a metre away, far smaller than it: hit in its middle, near its rim, or just missed.
 Seen fine_dust(double radius_m) {
-    const ReferenceView view = view_from({0.48, -0.6, 0.64}, {0, 0, 0}, side_px, 0.01);
+    const ReferenceView view = view_from({0.48, -0.6, 0.64}, {0, 0, 0}, sphere_case_side_px, 0.01);
     SphereSet set;
-    for (int i = 0; i < side_px * side_px; ++i) {
-        const int x = i % side_px, y = i / side_px;
+    for (int i = 0; i < sphere_case_side_px * sphere_case_side_px; ++i) {
+        const int x = i % sphere_case_side_px, y = i / sphere_case_side_px;
         const SphereRay ray = view.ray_through(x, y);
         const Eigen::Vector3d along = ray.direction.normalized();
         const double off = std::array{0.0, 0.7, 1.3}.at(static_cast<std::size_t>(i % 3));
@@ -140,23 +99,10 @@ StabilityCase depth_case(std::string name, double most, const std::function<Seen
             }};
 }
 
-/// Some by chance, some upon each other.
-SphereSet cloud() {
-    std::mt19937 random(5);
-    const auto along = [&] { return static_cast<double>(random()) * 0x1p-32 - 0.5; };
-    SphereSet set;
-    for (int i = 0; i < 60; ++i) {
-        const Sphere one = sphere_at({along(), along(), along()}, 0.1 + 0.1 * (along() + 0.5));
-        set.spheres.insert(set.spheres.end(), i % 6 == 0 ? 3 : 1, one);
-    }
-    set.update_bounds();
-    return set;
-}
-
 /// The largest difference from every sphere in order in double precision, in light over black and in what is covered,
 /// of 1, off silhouettes and seams.
 double transparency_error(const SphereSet& set, TransparencyMethod method) {
-    const ReferenceView view = view_from({0.3, -2, 0.4}, {0, 0, 0}, 1.2 * side_px, 0.01);
+    const ReferenceView view = view_from({0.3, -2, 0.4}, {0, 0, 0}, 1.2 * sphere_case_side_px, 0.01);
     SphereStage stage(set);
     constexpr double hardly_any = 1e-6;
     constexpr int most_layers = 1000;
@@ -167,8 +113,8 @@ double transparency_error(const SphereSet& set, TransparencyMethod method) {
     rays.add_set(set);
     const auto light_of = [&](const SpherePoint& point) { return stage.light_of(point); };
     double largest = 0;
-    for (int y = 0; y < side_px; y += 3) {
-        for (int x = 0; x < side_px; x += 3) {
+    for (int y = 0; y < sphere_case_side_px; y += 3) {
+        for (int x = 0; x < sphere_case_side_px; x += 3) {
             const auto layers = reference_layers(rays, view.ray_through(x, y), light_of);
             // Floats may meet a sphere that a ray only grazes, and so may a pixel's neighbours.
             if (layers.size() != reference_layers(rays, view.ray_through(x + 0.02, y + 0.02), light_of).size())
@@ -187,6 +133,11 @@ double transparency_error(const SphereSet& set, TransparencyMethod method) {
     return largest;
 }
 
+bool keeps_order(TransparencyMethod method) {
+    return method == TransparencyMethod::lists || method == TransparencyMethod::peeling ||
+           method == TransparencyMethod::dual_peeling;
+}
+
 /// What keeps the order is exact at any opacity, the others where there is none or hardly any.
 void add_opacity_cases(std::vector<StabilityCase>& cases) {
     // Half floats, and the light of a probe by float harmonics.
@@ -201,12 +152,13 @@ void add_opacity_cases(std::vector<StabilityCase>& cases) {
     };
     for (const auto& [name, method] :
          {std::pair("lists", TransparencyMethod::lists), std::pair("peeling", TransparencyMethod::peeling),
+          std::pair("dual peeling", TransparencyMethod::dual_peeling),
           std::pair("weighted sum", TransparencyMethod::weighted_sum),
           std::pair("weighted blended", TransparencyMethod::weighted_blended),
           std::pair("moments", TransparencyMethod::moments)}) {
         for (const float opacity : {0.0F, 1e-4F})
             add(fmt::format("opacity {:g}, {}", opacity, name), method, [opacity](int) { return opacity; });
-        if (method != TransparencyMethod::lists && method != TransparencyMethod::peeling) continue;
+        if (!keeps_order(method)) continue;
         add(fmt::format("opacities 0, 1e-4, 0.5 and 1 together, {}", name), method, [](int i) {
             return std::array{0.0F, 1e-4F, 0.5F, 1.0F}.at(static_cast<std::size_t>(i % 4));
         });
@@ -217,7 +169,7 @@ void add_opacity_cases(std::vector<StabilityCase>& cases) {
 
 std::vector<StabilityCase> sphere_cases() {
     std::vector<StabilityCase> cases;
-    for (const double radius_m : {1e-5, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6}) {
+    for (const double radius_m : {1e-6, 1e-5, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6}) {
         const auto see = [radius_m] {
             const OneSphere one = one_sphere(radius_m);
             return seen_of(one.set, one.view);
@@ -234,19 +186,20 @@ std::vector<StabilityCase> sphere_cases() {
         const auto see = [radius_m] {
             // Off the middle, so that its sides are near and far.
             const Eigen::Vector3d eye = 0.5 * radius_m * Eigen::Vector3d(0.48, -0.6, 0.64);
-            return seen_of(set_of({sphere_at(Eigen::Vector3d::Zero(), radius_m)}),
-                           view_from(eye, Eigen::Vector3d(radius_m, radius_m, 0), side_px, 1e-3 * radius_m));
+            return seen_of(
+                set_of({sphere_at(Eigen::Vector3d::Zero(), radius_m)}),
+                view_from(eye, Eigen::Vector3d(radius_m, radius_m, 0), sphere_case_side_px, 1e-3 * radius_m));
         };
         cases.push_back(wrong_case(fmt::format("camera inside a sphere of {:g} m", radius_m), see));
         cases.push_back(depth_case(fmt::format("camera inside a sphere of {:g} m", radius_m), 1e-5, see));
     }
     cases.push_back(wrong_case("the near plane cuts a sphere open", [] {
         return seen_of(set_of({sphere_at(Eigen::Vector3d::Zero(), 0.5)}),
-                       view_from({0.2, -0.8, 0.1}, Eigen::Vector3d::Zero(), side_px, 0.45));
+                       view_from({0.2, -0.8, 0.1}, Eigen::Vector3d::Zero(), sphere_case_side_px, 0.45));
     }));
     cases.push_back(wrong_case("5,000 spheres upon each other", [] {
         return seen_of(set_of(std::vector<Sphere>(5000, sphere_at({0.1, 0.2, 0.3}, 0.4))),
-                       view_from({0.2, -2, 0.1}, {0.1, 0.2, 0.3}, side_px, 0.01));
+                       view_from({0.2, -2, 0.1}, {0.1, 0.2, 0.3}, sphere_case_side_px, 0.01));
     }));
     cases.push_back(wrong_case("radii of 1e-5 to 1 together", [] {
         std::vector<Sphere> spheres;
@@ -255,13 +208,14 @@ std::vector<StabilityCase> sphere_cases() {
             spheres.push_back(sphere_at(
                 {std::cos(turn) * (1.5 - radius_m), std::sin(turn) * (1.5 - radius_m), 0.001 * i - 0.5}, radius_m));
         }
-        return seen_of(set_of(std::move(spheres)), view_from({1, -6, 3}, {0, 0, 0}, 1.5 * side_px, 0.01));
+        return seen_of(set_of(std::move(spheres)), view_from({1, -6, 3}, {0, 0, 0}, 1.5 * sphere_case_side_px, 0.01));
     }));
     cases.push_back({"spheres", "none", "pixels that see something", {0, 0}, {}, [] {
-                         const Seen seen = seen_of({}, view_from({0, -2, 0}, {0, 0, 0}, side_px, 0.01));
+                         const Seen seen = seen_of({}, view_from({0, -2, 0}, {0, 0, 0}, sphere_case_side_px, 0.01));
                          return StabilityOutcome{static_cast<double>(seen.covered)};
                      }});
     add_opacity_cases(cases);
+    add_sphere_light_cases(cases);
     return cases;
 }
 

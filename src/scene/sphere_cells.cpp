@@ -86,8 +86,12 @@ SphereCell cell_around(const SphereSet& set, std::span<const Index> members, std
     for (const Index i : members) {
         const Sphere& sphere = set.spheres[i];
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            cell.low_m[axis] = std::min(cell.low_m[axis], sphere.centre_m[axis] - sphere.radius_m);
-            cell.high_m[axis] = std::max(cell.high_m[axis], sphere.centre_m[axis] + sphere.radius_m);
+            // Rounded outward: a long lens sees what floats round by.
+            constexpr float far = std::numeric_limits<float>::infinity();
+            cell.low_m[axis] =
+                std::min(cell.low_m[axis], std::nextafter(sphere.centre_m[axis] - sphere.radius_m, -far));
+            cell.high_m[axis] =
+                std::max(cell.high_m[axis], std::nextafter(sphere.centre_m[axis] + sphere.radius_m, far));
         }
         cell.largest_radius_m = std::max(cell.largest_radius_m, sphere.radius_m);
     }
