@@ -45,7 +45,7 @@ struct ProbeBuildCall {
     std::vector<double> reflectance, place;
     std::vector<std::string> diffuse_ball;
     std::vector<double> diffuse_circle, diffuse_albedo;
-    bool no_plane = false, no_sun_from_tags = false, no_deghost = false;
+    bool no_plane = false, no_parallax = false, no_sun_from_tags = false, no_deghost = false;
     double camera_deg = 8;
 };
 
@@ -186,6 +186,7 @@ BallBuildOptions build_options(const ProbeBuildCall& call, Warnings& warnings) {
     BallBuildOptions options;
     options.ball_radius_m = call.ball_radius_m;
     options.plane = !call.no_plane;
+    options.parallax = !call.no_parallax;
     options.sun_from_tags = !call.no_sun_from_tags;
     options.camera_deg = call.camera_deg;
     for (const auto& circle : call.circles) options.circles.push_back({{circle[0], circle[1]}, circle[2]});
@@ -296,6 +297,8 @@ void add_probe_build_command(CLI::App& probe, CommandContext& context) {
         ->type_name("METRES");
     command->add_flag("--no-plane", call->no_plane,
                       "Take everything as far away, also what lies on the tags' plane, with the ball's shadow on it");
+    command->add_flag("--no-parallax", call->no_parallax,
+                      "Take what the views show in different places as far away too, and mix them there");
     command
         ->add_option(
             "--sun-from-diffuse-ball", call->diffuse_ball,

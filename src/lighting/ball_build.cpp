@@ -108,6 +108,7 @@ BallBuild build_ball_probe(std::vector<BallView> views, const BallBuildOptions& 
     BallProbeOptions unwrap;
     unwrap.height = options.height;
     unwrap.camera_deg = options.camera_deg;
+    unwrap.parallax = options.parallax;
     unwrap.place_m = options.place_m.value_or(build.ball.centre_m);
     build.place_m = unwrap.place_m;
     build.probe = probe_from_balls(scene, unwrap);

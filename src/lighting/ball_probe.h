@@ -18,6 +18,7 @@ struct BallProbeOptions {
     int height = 0;         // rows of the lat-long map; 0: what the ball's pixels hold
     double camera_deg = 8;  // around a view's own camera nothing is taken from it, where another view shows it
     Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  // that the probe is for: the ball's centre, or near it
+    bool parallax = true;  // find what is near by two views or more, and show it as it is seen from `place_m`
 };
 
 /// Lat-long, world axes.
@@ -42,11 +43,17 @@ struct BallScene {
 /// Unwraps every view with the ball at its true distance and merges them: a view counts by how finely it shows a
 /// direction, not near the ball's rim, and not where it shows its own camera.
 ///
+/// With two views: what is near by their parallax (BallDepth) is shown as it is seen from `place_m`, from the views
+/// that see it; so is what lies behind it.
+///
 /// With a plane: a ray that leads down to it ends at a known place, so it is looked up where each view shows that
 /// place, reflected or, where reflections are too coarse or hidden, directly; the ball's own shadow is taken off
 /// (BallShadow), and what nobody sees of a tag is drawn from its print. Other directions that no view shows are filled
 /// from around them and said to be unseen.
 BallProbe probe_from_balls(const BallScene& scene, const BallProbeOptions& options);
+
+/// Radians of the surroundings across a pixel in the middle of the ball, where it shows most.
+double finest_pixel(const BallView& view, const MirrorBall& ball);
 
 /// Rows of a lat-long map whose pixels are as fine as the finest that the views show, at most 1024.
 int natural_height(const std::vector<BallView>& views, const MirrorBall& ball);

@@ -36,4 +36,45 @@ Eigen::Vector3d sample_rgb(const ImageF& image, const Eigen::Vector2d& pixel) {
            (at(left, bottom) * (1 - across) + at(right, bottom) * across) * down;
 }
 
+BallView halved(const BallView& view) {
+    const int width = view.radiance.width() / 2, height = view.radiance.height() / 2;
+    const auto half = [&](const ImageF& image) {
+        ImageF small(width, height, image.channels());
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                for (int c = 0; c < image.channels(); ++c) {
+                    small.at(x, y, c) = (image.at(2 * x, 2 * y, c) + image.at(2 * x + 1, 2 * y, c) +
+                                         image.at(2 * x, 2 * y + 1, c) + image.at(2 * x + 1, 2 * y + 1, c)) /
+                                        4;
+                }
+            }
+        }
+        return small;
+    };
+    BallView result;
+    result.name = view.name;
+    result.outline = view.outline;
+    result.camera_from_world = view.camera_from_world;
+    result.radiance = half(view.radiance);
+    if (!view.sigma.empty()) result.sigma = half(view.sigma);
+    if (!view.clipped.empty()) {
+        result.clipped = Image8(width, height, 1);
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                result.clipped.at(x, y) =
+                    std::max({view.clipped.at(2 * x, 2 * y), view.clipped.at(2 * x + 1, 2 * y),
+                              view.clipped.at(2 * x, 2 * y + 1), view.clipped.at(2 * x + 1, 2 * y + 1)});
+            }
+        }
+    }
+    result.camera = view.camera;
+    result.camera.width = width;
+    result.camera.height = height;
+    // Centres at whole numbers: pixel 0 of the half is the middle of pixels 0 and 1.
+    result.camera.fx /= 2, result.camera.fy /= 2;
+    result.camera.cx = (view.camera.cx - 0.5) / 2;
+    result.camera.cy = (view.camera.cy - 0.5) / 2;
+    return result;
+}
+
 }  // namespace matchlight

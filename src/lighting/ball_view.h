@@ -52,4 +52,7 @@ std::optional<Eigen::Vector2d> direct_pixel(const BallView& view, const MirrorBa
 /// Bilinear, RGB; clamped at the frame's edge.
 Eigen::Vector3d sample_rgb(const ImageF& image, const Eigen::Vector2d& pixel);
 
+/// The view at half its size, every pixel the mean of four; an odd last row or column is left out.
+BallView halved(const BallView& view);
+
 }  // namespace matchlight

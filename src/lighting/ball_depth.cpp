@@ -1,0 +1,83 @@
+// What is near a mirror ball, as it is seen from the probe's place, and which of the ball's views show it.
+#include "lighting/ball_depth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "lighting/probe.h"
+
+namespace matchlight {
+namespace {
+
+/// Steps of nearness, which are half a pixel each, within which a place lies on a view's surface, and beyond which it
+/// lies before or behind it.
+constexpr double on_surface_steps = 2, off_surface_steps = 4;
+/// Past this a view does not show what lies behind its surface.
+constexpr double hidden_steps = 1.5;
+
+}  // namespace
+
+BallDepth::BallDepth(const BallScene& scene, const Eigen::Vector3d& place_m, const BallUnwrap& unwrap, int height)
+    : scene_(scene), place_m_(place_m), scale_(nearness_scale(scene, height)), nearness_(2 * height, height, 1) {
+    for (const BallView& view : scene.views) eyes_.push_back(view.eye_m());
+    maps_ = ball_depth_maps(scene, unwrap, scale_, height);
+    parallel_for(height, [&](int y) {
+        for (int x = 0; x < 2 * height; ++x) {
+            nearness_.at(x, y) = static_cast<float>(nearest(latlong_direction(x, y, 2 * height, height)));
+        }
+    });
+    nearness_ = median_of(nearness_, 1);
+}
+
+Eigen::Vector3d BallDepth::place_of(const Eigen::Vector3d& towards, double nearness) const {
+    return place_m_ + towards / std::max(nearness, scale_.farthest);
+}
+
+SeenPlace BallDepth::seen(std::size_t v, const Eigen::Vector3d& place_m) const {
+    const Eigen::Vector3d& centre_m = scene_.ball.centre_m;
+    Eigen::Vector3d normal = ((eyes_[v] - centre_m).normalized() + (place_m - centre_m).normalized()).normalized();
+    return seen_place(scene_.ball, eyes_[v], place_m, 5, normal);
+}
+
+/// The nearest surface that a view has there and that no view sees through; else the plane, or what is far.
+double BallDepth::nearest(const Eigen::Vector3d& towards) const {
+    const double plane = plane_nearness(scene_, place_m_, towards);
+    const double last = std::max(plane, scale_.far);
+    for (int l = scale_.steps; l * scale_.step > last; --l) {
+        const Eigen::Vector3d place_m = place_of(towards, l * scale_.step);
+        double sum = 0;
+        int count = 0;
+        bool through = false;
+        for (std::size_t v = 0; v < maps_.size() && !through; ++v) {
+            const SeenPlace there = seen(v, place_m);
+            const BallDepthMap& map = maps_[v];
+            const AroundDirection at(there.towards, map.known.width(), map.known.height());
+            const int x = at.nearest_x(), y = at.nearest_y();
+            if (map.known.at(x, y) <= 0) continue;
+            const double has = map.nearness.at(x, y);
+            through = has < there.nearness - off_surface_steps * scale_.step;
+            if (std::abs(has - there.nearness) > on_surface_steps * scale_.step) continue;
+            const Eigen::Vector3d surface_m = there.point_m + there.towards / std::max(has, scale_.farthest);
+            sum += 1 / (surface_m - place_m_).norm();
+            ++count;
+        }
+        if (!through && count > 0) return std::max(plane, sum / count);
+    }
+    return plane;
+}
+
+double BallDepth::visible(std::size_t v, const Eigen::Vector3d& towards, double nearness) const {
+    const SeenPlace there = seen(v, place_of(towards, nearness));
+    const ImageF& map = maps_[v].nearness;
+    const AroundDirection at(there.towards, map.width(), map.height());
+    double share = 0;
+    for (int i = 0; i < 2; ++i) {
+        for (int j = 0; j < 2; ++j) {
+            if (map.at(at.x[i], at.y[j]) <= there.nearness + hidden_steps * scale_.step) share += at.share(i, j);
+        }
+    }
+    return share;
+}
+
+}  // namespace matchlight

@@ -1,0 +1,68 @@
+// How far away what each view of a mirror ball shows is, by its parallax against the other views, which meet the same
+// light on other parts of the ball.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/image.h"
+#include "lighting/ball_probe.h"
+#include "lighting/ball_unwrap.h"
+#include "lighting/mirror_ball.h"
+
+namespace matchlight {
+
+/// A view's reflections by their own directions: lat-long, world axes.
+struct BallDepthMap {
+    ImageF point_m;   // RGB as x y z: where on the ball the direction is reflected
+    ImageF light;     // RGB: log2 of radiance
+    ImageF known;     // 1 channel: 1 where the view shows the direction well
+    ImageF nearness;  // 1 channel, 1/m: one over the distance from point_m; 0 far away
+};
+
+/// Which nearness is told from which.
+struct NearnessScale {
+    double step = 0;      // 1/m: half a pixel of the maps
+    double far = 0;       // 1/m: what is less near is far away: its parallax is lost in the photographs' pixels
+    double farthest = 0;  // 1/m: stands for 0 where a place is needed; its parallax is a millionth of a radian
+    int steps = 0;        // the nearest
+};
+
+NearnessScale nearness_scale(const BallScene& scene, int height);
+
+/// The point of the ball in which an eye sees a place, and the way from there to it.
+struct SeenPlace {
+    Eigen::Vector3d point_m, towards;
+    double nearness = 0;  // 1/m, of the place from the point
+};
+
+/// Finds it by bisecting the angle between eye and place again and again, which gains a digit a round for places two
+/// radii away; `normal` is where it begins, and the answer's afterwards.
+SeenPlace seen_place(const MirrorBall& ball, const Eigen::Vector3d& eye_m, const Eigen::Vector3d& place_m, int rounds,
+                     Eigen::Vector3d& normal);
+
+/// The pixels of a lat-long map around a direction, and their shares.
+struct AroundDirection {
+    std::array<int, 2> x, y;
+    double across, down;
+
+    AroundDirection(const Eigen::Vector3d& towards, int width, int height);
+    double share(int i, int j) const { return (i != 0 ? across : 1 - across) * (j != 0 ? down : 1 - down); }
+    int nearest_x() const { return x[across >= 0.5 ? 1 : 0]; }
+    int nearest_y() const { return y[down >= 0.5 ? 1 : 0]; }
+};
+
+/// Nearness of the scene's plane along a ray; 0 where the ray does not meet it, or there is none.
+double plane_nearness(const BallScene& scene, const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards);
+
+/// Every pixel the median of those around it, `reach` pixels each way, over the seam: lone errors go, edges stay.
+ImageF median_of(const ImageF& latlong, int reach);
+
+/// Of every view, for two views or more. A direction's nearness is the one at which the other views show the same
+/// light, and smooth but for jumps (semi_global.h); nothing lies below the plane.
+std::vector<BallDepthMap> ball_depth_maps(const BallScene& scene, const BallUnwrap& unwrap, const NearnessScale& scale,
+                                          int height);
+
+}  // namespace matchlight
