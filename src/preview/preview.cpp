@@ -8,6 +8,7 @@
 
 #include "compositor/quality.h"
 #include "core/atomic_file.h"
+#include "core/elapsed.h"
 #include "core/error.h"
 #include "core/stop.h"
 #include "core/version.h"
@@ -61,6 +62,7 @@ private:
     void lay_out();
     void draw();
     void screenshot(const std::filesystem::path& path);
+    double rests_s_before_drawing() const;
     double idle_s() const;
     std::string title() const;
     PictureSize displayed_picture() const;
@@ -299,6 +301,13 @@ void Preview::draw() {
     window_.swap();
 }
 
+double Preview::rests_s_before_drawing() const {
+    // Where a processor draws, every frame of the window takes time from the picture that is waited for.
+    constexpr double between_frames_s = 1.0 / 30;
+    if (session_.idle() || session_.has_change()) return 0;
+    return between_frames_s - seconds_since(last_frame_);
+}
+
 double Preview::idle_s() const {
     constexpr double longest_s = 0.1;  // signals are looked for that often, and what takes long is told
     if (frames_to_draw_ > 0 || (script_ && !script_->finished()) || !pending_.empty()) return 0.002;
@@ -356,6 +365,12 @@ void Preview::run() {
         if (stop_requested()) throw InputError(options_.scene, "the preview was stopped by a signal");
         for (const InputEvent& event : window_.take_events()) handle(event);
         if (!pending_.empty() && session_.idle()) press_pending();
+        const double rests_s = rests_s_before_drawing();
+        if (rests_s > 0) {
+            session_.update();
+            window_.wait(rests_s);
+            continue;
+        }
         if (script_) {
             for (const InputEvent& event : script_->before_frame(controls_)) handle(event);
         }

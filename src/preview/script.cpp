@@ -25,11 +25,12 @@ struct Verb {
     std::string_view what;
 };
 
-constexpr std::array<Verb, 15> verbs{{
+constexpr std::array<Verb, 16> verbs{{
     {"wait_idle", 0, 0, 0, "until nothing is left to be drawn"},
     {"key", 1, 1, 0, "NAME: press a key, such as b or ctrl+z"},
     {"click", 1, 3, 2, "X Y [right|shift] or CONTROL: press and let go there"},
     {"drag", 4, 6, 4, "X0 Y0 X1 Y1 [STEPS] [right|middle|shift]: press, move in steps, let go"},
+    {"slide", 2, 3, 0, "CONTROL SHARE [STEPS]: press in its middle, move in steps to that share of its width, let go"},
     {"scroll", 3, 3, 3, "X Y STEPS: turn the wheel there"},
     {"move", 2, 2, 2, "X Y: the pointer alone"},
     {"drop", 3, 3, 2, "X Y FILE: let a file go there"},
@@ -40,9 +41,8 @@ constexpr std::array<Verb, 15> verbs{{
     {"screenshot", 1, 1, 0, "OUT.png: of the whole window"},
     {"controls", 0, 0, 0, "print each control with its place"},
     {"measure", 1, 1, 0,
-     "WORDS: print them, the milliseconds from what was done last until the last wait_idle found it settled, and how "
-     "many "
-     "pictures were drawn meanwhile"},
+     "WORDS: print them, how soon pictures followed what was done last and how many a second while it lasted, when the "
+     "last wait_idle found all of it there, and the program's processor time for it and memory"},
     {"quit", 0, 0, 0, "without a question"},
 }};
 
@@ -89,6 +89,13 @@ ScriptStep step_of(std::vector<std::string> words) {
             const std::optional<double> number = number_of(words[i]);
             if (!number && i < verb->numbers) throw std::invalid_argument(fmt::format("'{}' is no number", words[i]));
             if (number && verb->numbers > 0) step.numbers.push_back(*number);
+        }
+    }
+    if (step.verb == "slide") {
+        for (std::size_t i = 1; i < words.size(); ++i) {
+            const std::optional<double> number = number_of(words[i]);
+            if (!number) throw std::invalid_argument(fmt::format("'{}' is no number", words[i]));
+            step.numbers.push_back(*number);
         }
     }
     if (step.verb == "key") event_of_key(words.front());  // throws where there is none

@@ -14,10 +14,11 @@ namespace matchlight {
 namespace {
 
 using Kind = InputEvent::Kind;
-using Clock = std::chrono::steady_clock;
 
 /// A control that another one brings up is there a frame or two later.
 constexpr int most_patience = 4;
+
+constexpr double usual_steps = 8;  // of a drag
 
 InputEvent pointer_at(double x, double y) {
     return {.kind = Kind::pointer, .value = {x, y}};
@@ -34,6 +35,18 @@ InputEvent button_of(const ScriptStep& step, std::size_t word) {
     throw std::invalid_argument(fmt::format("'{}' is no button: left, right, middle or shift", step.words[word]));
 }
 
+/// Throws std::invalid_argument where nothing of it is seen.
+Region seen_part(const Controls& controls, const std::string& name) {
+    const LaidOutControl* control = controls.find(name);
+    if (control == nullptr) throw std::invalid_argument(fmt::format("no control '{}' is shown", name));
+    if (control->seen.empty()) throw std::invalid_argument(fmt::format("the control '{}' is out of sight", name));
+    return control->seen;
+}
+
+Eigen::Vector2d middle_of(const Region& part) {
+    return {part.x + part.width / 2.0, part.y + part.height / 2.0};
+}
+
 InputEvent let_go(InputEvent button) {
     button.down = button.shift = false;
     return button;
@@ -44,9 +57,7 @@ InputEvent let_go(InputEvent button) {
 ScriptPlayer::ScriptPlayer(std::filesystem::path path, ScriptStage stage)
     : path_(std::move(path)),
       stage_(std::move(stage)),
-      steps_(read_script(path_)),
-      began_(Clock::now()),
-      settled_(began_) {}
+      steps_(read_script(path_)) {}
 
 void ScriptPlayer::fail(const std::string& cause) const {
     const std::int64_t line = next_ > 0 ? steps_[next_ - 1].line : 0;
@@ -56,11 +67,7 @@ void ScriptPlayer::fail(const std::string& cause) const {
 void ScriptPlayer::click(const ScriptStep& step, const Controls& controls) {
     Eigen::Vector2d at(0, 0);
     if (step.numbers.empty()) {
-        const LaidOutControl* control = controls.find(step.words[0]);
-        if (control == nullptr) throw std::invalid_argument(fmt::format("no control '{}' is shown", step.words[0]));
-        const Region& seen = control->seen;
-        if (seen.empty()) throw std::invalid_argument(fmt::format("the control '{}' is out of sight", step.words[0]));
-        at = {seen.x + seen.width / 2.0, seen.y + seen.height / 2.0};
+        at = middle_of(seen_part(controls, step.words[0]));
     } else {
         at = {step.numbers[0], step.numbers[1]};
     }
@@ -70,9 +77,20 @@ void ScriptPlayer::click(const ScriptStep& step, const Controls& controls) {
 
 void ScriptPlayer::drag(const ScriptStep& step) {
     const bool has_steps = step.numbers.size() > 4;
-    const int steps = has_steps ? std::max(1, static_cast<int>(std::lround(step.numbers[4]))) : 8;
     const InputEvent button = button_of(step, has_steps ? 5 : 4);
     const Eigen::Vector2d from(step.numbers[0], step.numbers[1]), to(step.numbers[2], step.numbers[3]);
+    drag(from, to, has_steps ? step.numbers[4] : usual_steps, button);
+}
+
+void ScriptPlayer::slide(const ScriptStep& step, const Controls& controls) {
+    const Region seen = seen_part(controls, step.words[0]);
+    const Eigen::Vector2d from = middle_of(seen), to(seen.x + step.numbers[0] * seen.width, from.y());
+    drag(from, to, step.numbers.size() > 1 ? step.numbers[1] : usual_steps, {.kind = Kind::button, .down = true});
+}
+
+void ScriptPlayer::drag(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double step_count,
+                        const InputEvent& button) {
+    const int steps = std::max(1, static_cast<int>(std::lround(step_count)));
     ticks_ = {{pointer_at(from.x(), from.y())}, {button}};
     for (int i = 1; i <= steps; ++i) {
         const Eigen::Vector2d at = from + (to - from) * (static_cast<double>(i) / steps);
@@ -84,10 +102,7 @@ void ScriptPlayer::drag(const ScriptStep& step) {
 
 void ScriptPlayer::begin(const ScriptStep& step, Controls& controls) {
     const std::string& verb = step.verb;
-    if (verb != "wait_idle" && verb != "measure") {
-        began_ = Clock::now();
-        pictures_before_ = stage_.pictures();
-    }
+    if (verb != "wait_idle" && verb != "measure") clock_.begin(stage_.pictures());
     if (verb == "wait_idle") {
         waiting_ = true;
         still_frames_ = 0;
@@ -99,6 +114,8 @@ void ScriptPlayer::begin(const ScriptStep& step, Controls& controls) {
         click(step, controls);
     } else if (verb == "drag") {
         drag(step);
+    } else if (verb == "slide") {
+        slide(step, controls);
     } else if (verb == "move") {
         ticks_ = {{pointer_at(step.numbers[0], step.numbers[1])}, {}};
     } else if (verb == "scroll") {
@@ -129,20 +146,19 @@ void ScriptPlayer::begin(const ScriptStep& step, Controls& controls) {
                                      control.clipped_text ? " clipped" : ""));
         }
     } else if (verb == "measure") {
-        const double ms = 1000 * std::chrono::duration<double>(settled_ - began_).count();
-        const std::int64_t pictures = stage_.pictures() - pictures_before_;
-        stage_.print(fmt::format("{}: {:.0f} ms, {} pictures", step.words[0], ms, pictures));
+        stage_.print(fmt::format("{}: {}", step.words[0], clock_.told()));
     } else if (verb == "quit") {
         stage_.quit();
     }
 }
 
 std::vector<InputEvent> ScriptPlayer::before_frame(Controls& controls) {
+    clock_.count(stage_.pictures());
     if (waiting_) {
         // What a hand did last is asked for with the next frame; two more show what came of it.
         constexpr int settled = 3;
         const bool still = stage_.idle();
-        if (still && still_frames_ == 0) settled_ = Clock::now();
+        if (still && still_frames_ == 0) clock_.settle();
         still_frames_ = still ? still_frames_ + 1 : 0;
         waiting_ = still_frames_ < settled;
         if (waiting_) return {};
@@ -150,6 +166,7 @@ std::vector<InputEvent> ScriptPlayer::before_frame(Controls& controls) {
     if (!ticks_.empty()) {
         Tick tick = std::move(ticks_.front());
         ticks_.pop_front();
+        clock_.move();
         return tick;
     }
     if (patience_ > 0 || next_ == steps_.size()) return {};

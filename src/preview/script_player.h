@@ -1,7 +1,6 @@
 // Plays a script into the window, one thing a frame, so that it goes the same way every time.
 #pragma once
 
-#include <chrono>
 #include <deque>
 #include <filesystem>
 #include <functional>
@@ -11,6 +10,7 @@
 #include "preview/controls.h"
 #include "preview/input_event.h"
 #include "preview/script.h"
+#include "preview/script_clock.h"
 
 namespace matchlight {
 
@@ -43,6 +43,8 @@ private:
     void begin(const ScriptStep& step, Controls& controls);
     void click(const ScriptStep& step, const Controls& controls);
     void drag(const ScriptStep& step);
+    void slide(const ScriptStep& step, const Controls& controls);
+    void drag(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double step_count, const InputEvent& button);
     [[noreturn]] void fail(const std::string& cause) const;
 
     std::filesystem::path path_;
@@ -52,9 +54,8 @@ private:
     std::deque<Tick> ticks_;
     bool waiting_ = false;
     int still_frames_ = 0;
-    int patience_ = 0;                                       // frames that a control may still take to appear
-    std::chrono::steady_clock::time_point began_, settled_;  // the last thing done, and what came of it
-    std::int64_t pictures_before_ = 0;                       // it
+    int patience_ = 0;  // frames that a control may still take to appear
+    ScriptClock clock_;
 };
 
 }  // namespace matchlight

@@ -51,7 +51,8 @@ public:
     const std::optional<ShotPicture>& picture() const { return picture_; }
     /// How many there were.
     std::int64_t picture_count() const { return pictures_; }
-    /// Whether the picture is another one than at the last call.
+    /// Whether the picture, or what is told about it, is another one than at the last call of take_change().
+    bool has_change() const { return changed_; }
     bool take_change() { return std::exchange(changed_, false); }
 
     void go_to(std::int64_t frame, bool backwards = false);
