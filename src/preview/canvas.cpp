@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <imgui.h>
 
@@ -17,14 +18,15 @@ constexpr float wipe_reach_px = 6;     // of its handle, at scale 1
 }  // namespace
 
 void Canvas::set_picture(ShownKind kind, const Image8& image, double pixel_aspect) {
-    picture(kind).set(image, pixel_aspect);
+    if (!picture(kind).set(image, pixel_aspect) && has_[static_cast<std::size_t>(kind)]) return;
     has_[static_cast<std::size_t>(kind)] = true;
+    ++pictures_set_;
     displayed_ = picture(kind).displayed();
     picture_px_ = {image.width(), image.height()};
 }
 
 void Canvas::remove_picture(ShownKind kind) {
-    has_[static_cast<std::size_t>(kind)] = false;
+    if (std::exchange(has_[static_cast<std::size_t>(kind)], false)) ++pictures_set_;
 }
 
 Eigen::Vector4f Canvas::place(const Region& area) const {
@@ -117,6 +119,15 @@ void Canvas::lay_out(const Region& area, float scale) {
             at_wipe || moves_wipe_ ? IM_COL32(255, 200, 60, 255) : IM_COL32(255, 255, 255, 160), scale);
     }
     ImGui::End();
+}
+
+bool Canvas::take_change(const Region& area) {
+    const Look look{.pictures = pictures_set_,
+                    .shown = shown,
+                    .wipe_x = wipe ? std::optional(wipe_x(area)) : std::nullopt,
+                    .leads_camera = leads_camera,
+                    .place = place(area)};
+    return std::exchange(look_, look) != look;
 }
 
 void Canvas::draw(PictureView& view, const Region& area) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 
@@ -36,6 +37,8 @@ public:
 
     /// Takes part in ImGui's frame: wheel, drags and the wipe's handle.
     void lay_out(const Region& area, float scale);
+    /// Whether it looks otherwise than at the last call.
+    bool take_change(const Region& area);
     void draw(PictureView& view, const Region& area);
 
     /// Left, top, width, height of the picture in the window.
@@ -63,6 +66,17 @@ private:
     std::optional<double> zoom_;                        // absent: it fits
     Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();  // displayed pixels, in the middle of the window's area
     double wipe_share_ = 0.5;                           // of the area's width
+    /// What draw() depends on.
+    struct Look {
+        std::int64_t pictures = 0;  // that were set or taken away
+        ShownKind shown = ShownKind::composite;
+        std::optional<double> wipe_x;
+        bool leads_camera = false;
+        Eigen::Vector4f place = Eigen::Vector4f::Zero();
+        bool operator==(const Look&) const = default;
+    };
+    Look look_;
+    std::int64_t pictures_set_ = 0;
     bool moves_wipe_ = false;
     bool hand_is_free_ = false;
     CanvasMotion motion_;

@@ -2,6 +2,7 @@
 #include "preview/gui.h"
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -122,9 +123,15 @@ void Gui::begin(const Eigen::Vector2i& size_px, double seconds) {
     ImGui::NewFrame();
 }
 
-void Gui::draw(const Framebuffer& target) {
+std::vector<Region> Gui::end() {
     ImGui::Render();
-    renderer_.draw(*ImGui::GetDrawData(), target);
+    const ImVec2& size = ImGui::GetIO().DisplaySize;
+    return damage_.since_last(*ImGui::GetDrawData(),
+                              {0, 0, static_cast<int>(std::lround(size.x)), static_cast<int>(std::lround(size.y))});
+}
+
+void Gui::draw(const Framebuffer& target, const Region& part) {
+    renderer_.draw(*ImGui::GetDrawData(), target, part);
 }
 
 Eigen::Vector2d Gui::pointer_px() const {

@@ -1,8 +1,11 @@
 // Dear ImGui's context: its look, its fonts, and what a hand does to it.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
+#include "preview/gui_damage.h"
 #include "preview/gui_renderer.h"
 #include "preview/input_event.h"
 
@@ -19,9 +22,12 @@ public:
     Gui& operator=(const Gui&) = delete;
 
     void feed(const InputEvent& event);
-    /// Controls may be laid out from here to `draw`.
+    /// Controls may be laid out from here to `end`.
     void begin(const Eigen::Vector2i& size_px, double seconds);
-    void draw(const Framebuffer& target);
+    /// Returns where they look otherwise than before: parts of the window that do not overlap.
+    std::vector<Region> end();
+    /// What was laid out of that part.
+    void draw(const Framebuffer& target, const Region& part);
 
     /// Whether keys go into a text field.
     bool wants_text() const;
@@ -37,6 +43,7 @@ private:
     float scale_;
     ImGuiContext* context_;
     GuiRenderer renderer_;
+    GuiDamage damage_;
 };
 
 }  // namespace matchlight

@@ -22,6 +22,14 @@ bool fill(Buffer& buffer, std::span<const Element> elements) {
     return grows;
 }
 
+/// What of it lies in a part of the window.
+Region cut(const ImDrawCmd& drawn, const Region& part) {
+    if (drawn.ElemCount == 0) return {};
+    const int left = static_cast<int>(std::floor(drawn.ClipRect.x)), top = static_cast<int>(std::floor(drawn.ClipRect.y));
+    const int right = static_cast<int>(std::ceil(drawn.ClipRect.z)), bottom = static_cast<int>(std::ceil(drawn.ClipRect.w));
+    return Region{left, top, right - left, bottom - top}.intersected(part);
+}
+
 }  // namespace
 
 void GuiRenderer::make_glyphs() {
@@ -33,7 +41,7 @@ void GuiRenderer::make_glyphs() {
     glyphs_.set_filter(Filter::linear);
 }
 
-void GuiRenderer::draw(const ImDrawData& data, const Framebuffer& target) {
+void GuiRenderer::draw(const ImDrawData& data, const Framebuffer& target, const Region& part) {
     static_assert(sizeof(ImDrawIdx) == 2 || sizeof(ImDrawIdx) == 4);
     target.bind();
     glDisable(GL_DEPTH_TEST);
@@ -47,7 +55,7 @@ void GuiRenderer::draw(const ImDrawData& data, const Framebuffer& target) {
     program.set("window_px", Eigen::Vector2f(static_cast<float>(target.width()), static_cast<float>(target.height())));
     program.set("glyphs", 0);
     for (const ImDrawList* list : std::span(data.CmdLists, static_cast<std::size_t>(data.CmdListsCount))) {
-        if (list->IdxBuffer.empty()) continue;
+        if (std::ranges::none_of(list->CmdBuffer, [&](const ImDrawCmd& cmd) { return !cut(cmd, part).empty(); })) continue;
         const std::vector<std::uint32_t> indices(list->IdxBuffer.begin(), list->IdxBuffer.end());
         const bool corners_grew =
             fill(corners_, std::span<const ImDrawVert>(list->VtxBuffer.Data, list->VtxBuffer.size()));
@@ -60,18 +68,15 @@ void GuiRenderer::draw(const ImDrawData& data, const Framebuffer& target) {
         }
         if (indices_grew) vertices_.set_index_buffer(indices_);
         vertices_.bind();
-        for (const ImDrawCmd& part : list->CmdBuffer) {
-            const int left = static_cast<int>(std::floor(part.ClipRect.x)),
-                      top = static_cast<int>(std::floor(part.ClipRect.y));
-            const int right = std::min(target.width(), static_cast<int>(std::ceil(part.ClipRect.z)));
-            const int bottom = std::min(target.height(), static_cast<int>(std::ceil(part.ClipRect.w)));
-            if (part.ElemCount == 0 || right <= left || bottom <= top) continue;
-            glScissor(std::max(0, left), std::max(0, top), right - std::max(0, left), bottom - std::max(0, top));
-            const auto* texture = static_cast<const Texture2D*>(part.GetTexID());
+        for (const ImDrawCmd& drawn : list->CmdBuffer) {
+            const Region seen = cut(drawn, part);
+            if (seen.empty()) continue;
+            glScissor(seen.x, seen.y, seen.width, seen.height);
+            const auto* texture = static_cast<const Texture2D*>(drawn.GetTexID());
             (texture != nullptr ? *texture : glyphs_).bind(0);
-            glDrawElementsBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(part.ElemCount), GL_UNSIGNED_INT,
-                                     reinterpret_cast<const void*>(std::size_t{4} * part.IdxOffset),  // NOLINT
-                                     static_cast<GLint>(part.VtxOffset));
+            glDrawElementsBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(drawn.ElemCount), GL_UNSIGNED_INT,
+                                     reinterpret_cast<const void*>(std::size_t{4} * drawn.IdxOffset),  // NOLINT
+                                     static_cast<GLint>(drawn.VtxOffset));
         }
     }
     glDisable(GL_SCISSOR_TEST);

@@ -1,6 +1,7 @@
 // One texture a picture, one triangle; filtered only where the picture has another size than its place.
 #include "preview/picture_view.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,7 +11,11 @@
 
 namespace matchlight {
 
-void ShownPicture::set(const Image8& picture, double pixel_aspect) {
+bool ShownPicture::set(const Image8& picture, double pixel_aspect) {
+    const bool same = texture_ && pixel_aspect == pixel_aspect_ && picture.width() == of_texture_.width() &&
+                      picture.height() == of_texture_.height() &&
+                      std::ranges::equal(picture.samples(), of_texture_.samples());
+    if (same) return false;
     const int limit = current_gl_context()->info().max_texture_size;
     if (std::max(picture.width(), picture.height()) > limit) {
         throw InputError({}, fmt::format("a picture of {}×{} pixels cannot be shown: textures here end at {}",
@@ -20,20 +25,30 @@ void ShownPicture::set(const Image8& picture, double pixel_aspect) {
         texture_ = Texture2D({.format = GL_RGBA8, .width = picture.width(), .height = picture.height(), .levels = 0});
     }
     texture_.upload(picture);
+    of_texture_ = picture;
     pixel_aspect_ = pixel_aspect;
     has_mipmaps_ = false;
+    return true;
 }
 
-void PictureView::begin(int width, int height) {
-    if (!target_ || target_.width() != width || target_.height() != height) {
-        target_texture_ = Texture2D({.format = GL_RGBA8, .width = width, .height = height});
-        target_ = Framebuffer({target_texture_});
-    }
-    target_.bind();
+bool PictureView::begin(int width, int height) {
+    if (target_ && target_.width() == width && target_.height() == height) return false;
+    target_texture_ = Texture2D({.format = GL_RGBA8, .width = width, .height = height});
+    target_ = Framebuffer({target_texture_});
+    return true;
+}
+
+void PictureView::begin_part(const Region& part) {
+    part_ = part.intersected(target_.bounds());
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(part_.x, part_.y, part_.width, part_.height);
     target_.clear_color(0, 0, 0, 0, 1);
+    glDisable(GL_SCISSOR_TEST);
 }
 
 void PictureView::draw(ShownPicture& picture, const Eigen::Vector4f& place, const Region& clip) {
+    const Region seen = clip.intersected(part_);
+    if (seen.empty()) return;
     Texture2D& texture = picture.texture_;
     // Whole factors show every sample as it is.
     const float factor = place[3] / static_cast<float>(texture.height());
@@ -44,7 +59,7 @@ void PictureView::draw(ShownPicture& picture, const Eigen::Vector4f& place, cons
     }
     texture.set_filter(whole ? Filter::nearest : factor < 1 ? Filter::trilinear : Filter::linear);
     Program& program = shaders_.full_screen("preview/picture.frag");
-    target_.bind(clip);
+    target_.bind(seen);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
     program.use();

@@ -60,7 +60,8 @@ private:
     void update_wishes();
     void show_window();
     void lay_out();
-    void draw();
+    /// What looks otherwise than before; where the window was exposed, all of it is shown again.
+    void draw(bool exposed);
     void screenshot(const std::filesystem::path& path);
     double rests_s_before_drawing() const;
     double idle_s() const;
@@ -291,12 +292,19 @@ void Preview::lay_out() {
     if (!controls_.is_held() && !canvas_.hand_is_free()) session_.end_drag();
 }
 
-void Preview::draw() {
+void Preview::draw(bool exposed) {
     window_.context().make_current();
     lay_out();
-    view_.begin(drawn_px_.x(), drawn_px_.y());
-    canvas_.draw(view_, layout_.picture);
-    gui_->draw(view_.target());
+    std::vector<Region> changed = gui_->end();
+    if (canvas_.take_change(layout_.picture)) changed.push_back(layout_.picture);
+    if (view_.begin(drawn_px_.x(), drawn_px_.y())) changed.push_back(view_.target().bounds());
+    for (const Region& part : apart(std::move(changed))) {
+        view_.begin_part(part);
+        canvas_.draw(view_, layout_.picture);
+        gui_->draw(view_.target(), part);
+        exposed = true;
+    }
+    if (!exposed) return;
     view_.present();
     window_.swap();
 }
@@ -386,7 +394,7 @@ void Preview::run() {
         if (size.minCoeff() > 0 && (damaged || scripted || tells || frames_to_draw_ > 0)) {
             drawn_px_ = size;
             frames_to_draw_ = std::max(0, frames_to_draw_ - 1);
-            draw();
+            draw(damaged);
             if (script_) script_->after_frame(controls_);
         }
         window_.set_title(title());
@@ -408,6 +416,7 @@ void Preview::save_snapshot() {
     const Eigen::Vector2i own(static_cast<int>(picture.width), static_cast<int>(picture.height));
     drawn_px_ = options_.size.value_or(own);
     view_.begin(drawn_px_.x(), drawn_px_.y());
+    view_.begin_part(view_.target().bounds());
     canvas_.draw(view_, {0, 0, drawn_px_.x(), drawn_px_.y()});
     write_png8(options_.snapshot, view_.shown(),
                {{"Software", fmt::format("matchlight {}\n{}", version, session_.scene().effective_toml)}});
