@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "core/work.h"
+
 namespace matchlight {
 
 using std::chrono::duration;
@@ -27,6 +29,7 @@ Progress::~Progress() {
 
 void Progress::advance() {
     ++done_;
+    tell_work(label_, done_, total_);
     if (quiet_) return;
     // A terminal bears ten redraws a second; a log file wants a line every few seconds.
     const duration<double> pause(terminal_ ? 0.1 : 5.0);

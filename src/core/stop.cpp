@@ -3,6 +3,8 @@
 
 #include <csignal>
 
+#include "core/work.h"
+
 namespace matchlight {
 
 namespace {
@@ -25,7 +27,7 @@ void install_stop_handlers() {
 }
 
 bool stop_requested() {
-    return stop_flag != 0;
+    return stop_flag != 0 || work_is_given_up();
 }
 
 }  // namespace matchlight

@@ -6,6 +6,7 @@ namespace matchlight {
 /// Makes SIGINT and SIGTERM set the flag; a second signal ends the process at once.
 void install_stop_handlers();
 
+/// Whether there was one, or what this thread works on is given up (core/work.h).
 bool stop_requested();
 
 }  // namespace matchlight

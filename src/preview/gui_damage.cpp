@@ -88,8 +88,7 @@ Region GuiDamage::changed(const Drawn& before, const Drawn& now) {
             ++last;
         }
     }
-    return reached(before, first, before.corners.size() - last)
-        .united(reached(now, first, now.corners.size() - last));
+    return reached(before, first, before.corners.size() - last).united(reached(now, first, now.corners.size() - last));
 }
 
 std::vector<Region> GuiDamage::since_last(const ImDrawData& data, const Region& window) {

@@ -25,8 +25,10 @@ bool fill(Buffer& buffer, std::span<const Element> elements) {
 /// What of it lies in a part of the window.
 Region cut(const ImDrawCmd& drawn, const Region& part) {
     if (drawn.ElemCount == 0) return {};
-    const int left = static_cast<int>(std::floor(drawn.ClipRect.x)), top = static_cast<int>(std::floor(drawn.ClipRect.y));
-    const int right = static_cast<int>(std::ceil(drawn.ClipRect.z)), bottom = static_cast<int>(std::ceil(drawn.ClipRect.w));
+    const int left = static_cast<int>(std::floor(drawn.ClipRect.x)),
+              top = static_cast<int>(std::floor(drawn.ClipRect.y));
+    const int right = static_cast<int>(std::ceil(drawn.ClipRect.z)),
+              bottom = static_cast<int>(std::ceil(drawn.ClipRect.w));
     return Region{left, top, right - left, bottom - top}.intersected(part);
 }
 
@@ -55,7 +57,8 @@ void GuiRenderer::draw(const ImDrawData& data, const Framebuffer& target, const 
     program.set("window_px", Eigen::Vector2f(static_cast<float>(target.width()), static_cast<float>(target.height())));
     program.set("glyphs", 0);
     for (const ImDrawList* list : std::span(data.CmdLists, static_cast<std::size_t>(data.CmdListsCount))) {
-        if (std::ranges::none_of(list->CmdBuffer, [&](const ImDrawCmd& cmd) { return !cut(cmd, part).empty(); })) continue;
+        if (std::ranges::none_of(list->CmdBuffer, [&](const ImDrawCmd& cmd) { return !cut(cmd, part).empty(); }))
+            continue;
         const std::vector<std::uint32_t> indices(list->IdxBuffer.begin(), list->IdxBuffer.end());
         const bool corners_grew =
             fill(corners_, std::span<const ImDrawVert>(list->VtxBuffer.Data, list->VtxBuffer.size()));

@@ -12,7 +12,8 @@ class GuiRenderer {
 public:
     /// Takes the glyphs of ImGui's current context: again where its fonts change.
     void make_glyphs();
-    /// Over what the framebuffer holds of `part`. Textures that ImGui draws are `const Texture2D*`; null are the glyphs.
+    /// Over what the framebuffer holds of `part`. Textures that ImGui draws are `const Texture2D*`; null are the
+    /// glyphs.
     void draw(const ImDrawData& data, const Framebuffer& target, const Region& part);
 
 private:

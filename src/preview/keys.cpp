@@ -44,7 +44,7 @@ std::span<const PreviewKey> preview_keys() {
         {"h", 0, help, "print these keys, and show them or hide them"},
         {"f1", GLFW_KEY_F1, help, "the same"},
         {"q", 0, quit, "quit"},
-        {"escape", GLFW_KEY_ESCAPE, quit, "quit"},
+        {"escape", GLFW_KEY_ESCAPE, give_up, "give up what is being drawn; where nothing is, quit"},
     };
     return keys;
 }

@@ -38,6 +38,7 @@ enum class PreviewAction {
     reload,
     panels,
     help,
+    give_up,
     quit,
 };
 

@@ -152,6 +152,13 @@ void Preview::press(PreviewAction action) {
         case PreviewAction::panels:
             state_.layout.panels = !state_.layout.panels;
             break;
+        case PreviewAction::give_up:
+            if (session_.is_told()) {
+                session_.give_up();
+            } else {
+                quit_ = true;
+            }
+            break;
         case PreviewAction::quit:
             quit_ = true;
             break;
@@ -246,6 +253,7 @@ void Preview::start_script() {
                                      .go_to = [this](std::int64_t frame) { session_.go_to(frame); },
                                      .screenshot = [this](const std::filesystem::path& path) { screenshot(path); },
                                      .pictures = [this] { return session_.picture_count(); },
+                                     .is_busy = [this] { return session_.is_told(); },
                                      .print = options_.print,
                                      .quit = [this] { quit_ = true; }});
 }
@@ -386,11 +394,10 @@ void Preview::run() {
         take_pictures();
         const Eigen::Vector2i size = window_.framebuffer_size();
         // While a script waits for a picture, frames of the window would only take the processor from it.
-        const bool waits = script_ && script_->waits() && !session_.idle();
+        const bool waits = script_ && script_->waits() && !session_.idle() && !session_.is_told();
         const bool scripted = script_ && !script_->finished() && !waits;
         const bool damaged = window_.take_damage() || size != drawn_px_;
-        constexpr double told_after_s = 0.4;
-        const bool tells = session_.busy_s() > told_after_s;
+        const bool tells = session_.is_told();
         if (size.minCoeff() > 0 && (damaged || scripted || tells || frames_to_draw_ > 0)) {
             drawn_px_ = size;
             frames_to_draw_ = std::max(0, frames_to_draw_ - 1);

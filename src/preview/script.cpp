@@ -25,8 +25,9 @@ struct Verb {
     std::string_view what;
 };
 
-constexpr std::array<Verb, 16> verbs{{
+constexpr std::array<Verb, 17> verbs{{
     {"wait_idle", 0, 0, 0, "until nothing is left to be drawn"},
+    {"wait_busy", 0, 0, 0, "until something takes so long that the window tells it, or nothing is left to be drawn"},
     {"key", 1, 1, 0, "NAME: press a key, such as b or ctrl+z"},
     {"click", 1, 3, 2, "X Y [right|shift] or CONTROL: press and let go there"},
     {"drag", 4, 6, 4, "X0 Y0 X1 Y1 [STEPS] [right|middle|shift]: press, move in steps, let go"},

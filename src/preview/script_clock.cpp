@@ -78,8 +78,8 @@ std::string ScriptClock::told() const {
     if (within > 1 && moved_ms > 0) {
         text += fmt::format(", {:.1f} a second while the hand moved", static_cast<double>(within) * 1000 / moved_ms);
     }
-    return text + fmt::format("; {:.2f} s of processor time, {:.0f} MB", processor_s() - processor_before_s_,
-                              resident_mb());
+    return text +
+           fmt::format("; {:.2f} s of processor time, {:.0f} MB", processor_s() - processor_before_s_, resident_mb());
 }
 
 }  // namespace matchlight

@@ -55,9 +55,7 @@ InputEvent let_go(InputEvent button) {
 }  // namespace
 
 ScriptPlayer::ScriptPlayer(std::filesystem::path path, ScriptStage stage)
-    : path_(std::move(path)),
-      stage_(std::move(stage)),
-      steps_(read_script(path_)) {}
+    : path_(std::move(path)), stage_(std::move(stage)), steps_(read_script(path_)) {}
 
 void ScriptPlayer::fail(const std::string& cause) const {
     const std::int64_t line = next_ > 0 ? steps_[next_ - 1].line : 0;
@@ -102,10 +100,12 @@ void ScriptPlayer::drag(const Eigen::Vector2d& from, const Eigen::Vector2d& to, 
 
 void ScriptPlayer::begin(const ScriptStep& step, Controls& controls) {
     const std::string& verb = step.verb;
-    if (verb != "wait_idle" && verb != "measure") clock_.begin(stage_.pictures());
+    if (!verb.starts_with("wait") && verb != "measure") clock_.begin(stage_.pictures());
     if (verb == "wait_idle") {
         waiting_ = true;
         still_frames_ = 0;
+    } else if (verb == "wait_busy") {
+        waits_for_work_ = true;
     } else if (verb == "key") {
         InputEvent down = event_of_key(step.words[0]), up = down;
         up.down = up.control = up.shift = false;
@@ -163,6 +163,8 @@ std::vector<InputEvent> ScriptPlayer::before_frame(Controls& controls) {
         waiting_ = still_frames_ < settled;
         if (waiting_) return {};
     }
+    if (waits_for_work_ && !stage_.is_busy() && !stage_.idle()) return {};
+    waits_for_work_ = false;
     if (!ticks_.empty()) {
         Tick tick = std::move(ticks_.front());
         ticks_.pop_front();

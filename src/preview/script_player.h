@@ -21,6 +21,7 @@ struct ScriptStage {
     std::function<void(std::int64_t frame)> go_to;
     std::function<void(const std::filesystem::path&)> screenshot;
     std::function<std::int64_t()> pictures;  // that were drawn so far
+    std::function<bool()> is_busy;           // with what takes so long that the window tells it
     std::function<void(const std::string&)> print;
     std::function<void()> quit;
 };
@@ -53,6 +54,7 @@ private:
     std::size_t next_ = 0;
     std::deque<Tick> ticks_;
     bool waiting_ = false;
+    bool waits_for_work_ = false;
     int still_frames_ = 0;
     int patience_ = 0;  // frames that a control may still take to appear
     ScriptClock clock_;

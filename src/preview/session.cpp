@@ -31,6 +31,25 @@ Session::Session(SessionOptions options, Warnings& warnings)
 void Session::touch() {
     ++wish_;
     touched_ = Clock::now();
+    // What is exact of something else is of no use, and takes time from what is quick.
+    give_up(exact_);
+}
+
+void Session::give_up(Drawer& drawer) {
+    if (!std::exchange(drawer.asked, false)) return;
+    drawer.thread->give_up();
+    drawer.wish = 0;
+    passes_ = passes_ || drawer.passes;
+}
+
+void Session::give_up() {
+    playing_ = false;
+    give_up(quick_);
+    give_up(exact_);
+    passes_ = false;
+    quick_.wish = exact_.wish = wish_;
+    changed_ = true;
+    options_.print("given up: the picture stays as it is until something is changed");
 }
 
 void Session::set_trouble(const std::string& trouble) {
@@ -58,7 +77,7 @@ void Session::take(Drawer& drawer, bool exact) {
     ShotNews news = drawer.thread->take();
     if (news.facts && !exact) take_facts(std::move(news.facts));
     if (news.shaders && !exact) take_shaders(*news.shaders);
-    if (news.picture) {
+    if (news.picture && news.picture->serial == drawer.serial) {
         drawer.asked = false;
         // What is exact of something else by now is of no use.
         if (!exact || drawer.wish == wish_) take_picture(std::move(*news.picture));
@@ -157,8 +176,9 @@ void Session::ask(Drawer& drawer, const ShotLevel& level) {
     // What is measured is what is shown in the end.
     const bool last = &drawer == &exact_ || !wants_exact();
     request.passes = passes_ && last;
+    drawer.passes = request.passes;
     if (last) passes_ = false;
-    drawer.thread->ask(request);
+    drawer.serial = drawer.thread->ask(request);
     drawer.wish = wish_;
     drawer.asked = true;
 }
@@ -179,6 +199,16 @@ bool Session::idle() const {
 
 double Session::busy_s() const {
     return std::max(quick_.thread->busy_s(), exact_.thread ? exact_.thread->busy_s() : 0.0);
+}
+
+bool Session::is_told() const {
+    constexpr double told_after_s = 0.5;
+    return busy_s() > told_after_s;
+}
+
+WorkStage Session::stage() const {
+    const bool exact = exact_.thread && exact_.thread->busy_s() > quick_.thread->busy_s();
+    return (exact ? exact_ : quick_).thread->stage();
 }
 
 std::optional<double> Session::next_due_s() const {

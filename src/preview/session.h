@@ -111,6 +111,12 @@ public:
     void attempt(const std::function<void()>& action);
     bool idle() const;
     double busy_s() const;
+    /// Whether that is long enough to be told.
+    bool is_told() const;
+    /// Where it is in that, in words and, where that is known, as a share.
+    WorkStage stage() const;
+    /// What is being drawn is given up: the picture that there is stays until something is changed.
+    void give_up();
     /// Seconds until the next frame is due, or a picture is to be made exact; nothing where neither is.
     std::optional<double> next_due_s() const;
     void print(const std::string& text) const { options_.print(text); }
@@ -123,9 +129,12 @@ private:
         std::unique_ptr<ShotThread> thread;
         std::int64_t wish = 0;
         bool asked = false;
+        std::int64_t serial = 0;  // what the thread calls that
+        bool passes = false;      // they are to be timed
     };
 
     void touch();
+    void give_up(Drawer& drawer);
     /// As it is written by hand: relative to the scene where it lies beside or below it.
     std::string written(const std::filesystem::path& file) const;
     bool wants_exact() const;

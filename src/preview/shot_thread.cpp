@@ -63,6 +63,12 @@ std::int64_t ShotThread::ask(const PictureRequest& request) {
     return ++serial_;
 }
 
+void ShotThread::give_up() {
+    const std::lock_guard lock(mutex_);
+    request_.reset();
+    if (at_work_ && !is_loading_) work_.give_up();
+}
+
 ShotNews ShotThread::take() {
     const std::lock_guard lock(mutex_);
     has_news_ = false;
@@ -76,7 +82,7 @@ bool ShotThread::idle() const {
 
 double ShotThread::busy_s() const {
     const std::lock_guard lock(mutex_);
-    return at_work_ ? seconds_since(began_) : 0;
+    return at_work_ && !work_.is_given_up() ? seconds_since(began_) : 0;
 }
 
 void ShotThread::work() {
@@ -101,11 +107,14 @@ void ShotThread::do_next(std::unique_lock<std::mutex>& lock) {
     const std::optional<PictureRequest> request = load_first ? std::nullopt : std::exchange(request_, std::nullopt);
     const std::int64_t serial = serial_;
     at_work_ = true;
+    is_loading_ = load_first;
+    work_.begin();
     began_ = Clock::now();
     lock.unlock();
     std::exception_ptr failure;
     std::optional<ShotPicture> picture;
     try {
+        const WorkScope scope(work_);
         if (load_first) load();
         if (request) picture = picture_of(*request);
     } catch (...) {
@@ -122,7 +131,7 @@ void ShotThread::do_next(std::unique_lock<std::mutex>& lock) {
         news_.facts = std::make_shared<const ShotFacts>(
             ShotFacts{shot_->scene(), shot_->solve(), shot_->frames().info(), shot_->scene_level()});
     }
-    if (failure) news_.failure = failure;
+    if (failure && !work_.is_given_up()) news_.failure = failure;
     wake_();
 }
 

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/work.h"
 #include "preview/shot.h"
 #include "preview/truth_picture.h"
 
@@ -84,11 +85,16 @@ public:
     /// Takes the place of what was asked for and not begun. Returns its serial number.
     std::int64_t ask(const PictureRequest& request);
 
+    /// What it draws is given up; where that was what was asked for last, nothing comes of it. What it loads, it loads.
+    void give_up();
+
     ShotNews take();
     /// Nothing to do, and no news.
     bool idle() const;
-    /// For how long it has been at what it does; 0 where it does nothing.
+    /// For how long it has been at what it does; 0 where it does nothing, or nothing that is wanted still.
     double busy_s() const;
+    /// Where it is in that.
+    WorkStage stage() const { return work_.stage(); }
 
 private:
     void work();
@@ -117,6 +123,8 @@ private:
     std::optional<PictureRequest> request_;
     std::int64_t serial_ = 0;
     bool at_work_ = false;
+    bool is_loading_ = false;
+    Work work_;
     std::chrono::steady_clock::time_point began_;
     ShotNews news_;
     bool has_news_ = false;

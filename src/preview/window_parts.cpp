@@ -124,15 +124,42 @@ std::string values_under_pointer(const WindowParts& parts) {
     return text;
 }
 
-/// Work whose end is not known: a part that runs along the line, once in two seconds.
-void draw_progress(const Region& line, double busy_s, float scale) {
+/// What is done of work as a part of the line; where its end is not known, a part runs along it, once in two seconds.
+void draw_progress(const Region& line, const WorkStage& stage, double busy_s, float scale) {
     constexpr double round_s = 2;
-    const float part = 0.2f * static_cast<float>(line.width), height = 2 * scale;
-    const double share = std::fmod(busy_s, round_s) / round_s;
-    const float left = static_cast<float>(line.x) + static_cast<float>(share) * (static_cast<float>(line.width) - part);
-    const auto top = static_cast<float>(line.y);
-    ImGui::GetWindowDrawList()->AddRectFilled({left, top}, {left + part, top + height},
+    const auto whole = static_cast<float>(line.width);
+    float left = 0, part = 0.2f * whole;
+    if (stage.all > 0) {
+        part = whole * std::min(1.0f, static_cast<float>(stage.done) / static_cast<float>(stage.all));
+    } else {
+        left = (whole - part) * static_cast<float>(std::fmod(busy_s, round_s) / round_s);
+    }
+    const float x = static_cast<float>(line.x) + left, top = static_cast<float>(line.y);
+    ImGui::GetWindowDrawList()->AddRectFilled({x, top}, {x + part, top + 2 * scale},
                                               ImGui::GetColorU32(ImGuiCol_PlotHistogram));
+}
+
+/// What takes long, how far it is, and a way out.
+void lay_out_work(const Layout& layout, const WindowParts& parts) {
+    const Session& session = parts.session;
+    const WorkStage stage = session.stage();
+    draw_progress(layout.status, stage, session.busy_s(), parts.state.layout.scale);
+    std::string text = session.facts() == nullptr ? "loading" : "drawing";
+    if (!stage.name.empty()) text += ": " + stage.name;
+    if (stage.all > 0) text += fmt::format(" {} of {}", stage.done, stage.all);
+    text += fmt::format(", {:.1f} s", session.busy_s());
+    constexpr const char* way_out = "Give up";
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const float button = ImGui::CalcTextSize(way_out).x + 2 * style.FramePadding.x;
+    const float width = ImGui::CalcTextSize(text.c_str()).x + style.ItemSpacing.x + button;
+    ImGui::SameLine(std::max(0.0f, ImGui::GetWindowContentRegionMax().x - width));
+    ImGui::TextUnformatted(text.c_str());
+    if (session.facts() == nullptr) return;  // there is nothing yet that could stay
+    ImGui::SameLine();
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {style.FramePadding.x, 0});
+    if (parts.controls.button("give_up", way_out, "the picture stays as it is until something is changed (escape)"))
+        parts.press(PreviewAction::give_up);
+    ImGui::PopStyleVar();
 }
 
 void lay_out_status(const Layout& layout, const WindowParts& parts) {
@@ -140,12 +167,8 @@ void lay_out_status(const Layout& layout, const WindowParts& parts) {
     begin_part("##status", layout.status);
     ImGui::PopStyleVar();
     const Session& session = parts.session;
-    constexpr double told_after_s = 0.5;
     std::string right = session.picture() ? fmt::format("{:.0f} ms", session.picture()->ms) : "";
-    if (session.busy_s() > told_after_s) {
-        draw_progress(layout.status, session.busy_s(), parts.state.layout.scale);
-        right = fmt::format("{} {:.1f} s", session.facts() == nullptr ? "loading" : "drawing", session.busy_s());
-    } else if (parts.canvas.shown == ShownKind::difference && session.picture()) {
+    if (parts.canvas.shown == ShownKind::difference && session.picture()) {
         right = fmt::format("mean FLIP against the {}: {:.4f}", session.picture()->flip_of_plate ? "plate" : "truth",
                             session.picture()->mean_flip);
     }
@@ -159,6 +182,11 @@ void lay_out_status(const Layout& layout, const WindowParts& parts) {
         std::string left = shows_texture ? session.picture()->watched_words : values_under_pointer(parts);
         if (!parts.hand_says.empty()) left += (left.empty() ? "" : "   ") + parts.hand_says;
         ImGui::TextUnformatted(left.c_str());
+        if (session.is_told()) {
+            lay_out_work(layout, parts);
+            ImGui::End();
+            return;
+        }
         ImGui::SameLine(std::max(0.0f, ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(right.c_str()).x));
         ImGui::TextUnformatted(right.c_str());
     }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/work.h"
 #include "gl/bandwidth.h"
 #include "gl/context.h"
 #include "gl/timer.h"
@@ -256,6 +257,8 @@ void RenderGraph::draw_pass(Scheduled& scheduled, bool timed) {
         if (kept->second > 0) report.why += fmt::format(", in {:.1f} ms", kept->second);
         return;
     }
+    stop_if_given_up();
+    tell_work(pass.name);
     for (const PassInput& input : pass.reads) {
         if (input.texture) report.bytes += shape(input.texture).bytes();
     }

@@ -166,6 +166,49 @@ TEST_F(PreviewTest, ControlsAreInTheWindowAndDoNotOverlap) {
     }
 }
 
+/// Less the line below the picture, which tells times.
+Image8 without_status(const Image8& window) {
+    Image8 above(window.width(), window.height() - 26, 3);
+    std::ranges::copy_n(window.samples().begin(), std::ssize(above.samples()), above.samples().begin());
+    return above;
+}
+
+TEST_F(PreviewTest, WhatIsDrawnInPartsIsTheWholeWindow) {
+    const fs::path by_parts = scratch_ / "parts.png", at_once = scratch_ / "once.png";
+    played(
+        "wait_idle\nshow light\nmove 950 200\nmove 200 60\nshow lens\nkey h\nmove 400 300\nkey h\nkey tab\nkey tab\n"
+        "show effects\nset effects.bloom auto\nwait_idle\nkey ctrl+z\nwait_idle\nclick view.wipe\ndrag 450 300 300 300 "
+        "4\n"
+        "click view.wipe\nmove 640 700\nwait_idle\nscreenshot " +
+            by_parts.string(),
+        {"--size", "1280x720"});
+    played(
+        "wait_idle\nshow effects\nmove 640 700\nwait_idle\nset effects.bloom auto\nkey ctrl+z\nmove 640 "
+        "700\nwait_idle\n"
+        "screenshot " +
+            at_once.string(),
+        {"--size", "1280x720"});
+    EXPECT_TRUE(same(without_status(read_rgb8(by_parts)), without_status(read_rgb8(at_once))));
+}
+
+TEST_F(PreviewTest, WhatTakesLongIsGivenUpAndThePictureStays) {
+    const fs::path before = scratch_ / "before.png", after = scratch_ / "after.png", button = scratch_ / "button.png";
+    const std::string out =
+        played("wait_idle\nset level preview\nwait_idle\nscreenshot " + before.string() +
+                   "\nset level final\nwait_busy\nkey escape\nwait_idle\nmeasure given_up\n"
+                   "screenshot " +
+                   after.string() +
+                   "\nset level preview\nset level final\nwait_busy\nclick give_up\nwait_idle\nset level preview\n"
+                   "wait_idle\nmeasure afterwards\nscreenshot " +
+                   button.string(),
+               {"--size", "1280x720"});
+    EXPECT_EQ(std::ranges::count(out, '\n'), 4) << out;
+    EXPECT_THAT(out, HasSubstr("given up: the picture stays"));
+    const Region picture{0, 40, 900, 530};
+    EXPECT_TRUE(same(part_of(read_rgb8(after), picture), part_of(read_rgb8(before), picture)));
+    EXPECT_TRUE(same(part_of(read_rgb8(button), picture), part_of(read_rgb8(before), picture)));
+}
+
 TEST_F(PreviewTest, WrongScriptsAreToldByTheirLine) {
     for (const auto& [script, words] : std::vector<std::pair<std::string, std::vector<std::string>>>{
              {"wait_idle\nklick 3 4\n", {"hand.txt:2", "'klick'", "click"}},
@@ -173,7 +216,9 @@ TEST_F(PreviewTest, WrongScriptsAreToldByTheirLine) {
              {"key bogus\n", {"hand.txt:1", "'bogus'"}},
              {"set \"bloom on\n", {"hand.txt:1", "quote"}},
              {"wait_idle\nset bogus on\nwait_idle\n", {"hand.txt:2", "'bogus'"}},
-             {"wait_idle\nshow bogus\n", {"hand.txt:2", "'bogus'", "Effects"}}}) {
+             {"wait_idle\nshow bogus\n", {"hand.txt:2", "'bogus'", "Effects"}},
+             {"slide level much\n", {"hand.txt:1", "'much'"}},
+             {"wait_idle\nslide bogus 0.5\n", {"hand.txt:2", "'bogus'"}}}) {
         const fs::path file = scratch_.write("hand.txt", script);
         EXPECT_TRUE(failed_naming(run_matchlight(call_of(scene_, {"--script", file}), options_), words)) << script;
     }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/work.h"
 #include "gl/framebuffer.h"
 
 namespace matchlight {
@@ -22,6 +23,8 @@ constexpr int rays_at_once = 4;
 void cast_rays(Program& program, int rays, const std::function<void()>& cast) {
     program.set("gather_rays", rays);
     for (int first = 0; first < rays; first += rays_at_once) {
+        stop_if_given_up();
+        tell_work("light/bounced", first, rays);
         program.set("first_ray", first);
         program.set("last_ray", std::min(first + rays_at_once, rays) - 1);
         cast();

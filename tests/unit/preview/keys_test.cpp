@@ -12,7 +12,7 @@ namespace {
 TEST(PreviewKeys, are_read_in_order) {
     using enum PreviewAction;
     EXPECT_THAT(actions_of_keys("b,right, right ,pagedown,escape"),
-                testing::ElementsAre(bloom, step_on, step_on, ten_on, quit));
+                testing::ElementsAre(bloom, step_on, step_on, ten_on, give_up));
     EXPECT_TRUE(actions_of_keys("").empty());
 }
 
