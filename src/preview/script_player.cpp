@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -164,7 +165,8 @@ std::vector<InputEvent> ScriptPlayer::before_frame(Controls& controls) {
         if (waiting_) return {};
     }
     if (waits_for_work_ && !stage_.is_busy() && !stage_.idle()) return {};
-    waits_for_work_ = false;
+    // With the next frame the window tells it.
+    if (std::exchange(waits_for_work_, false)) return {};
     if (!ticks_.empty()) {
         Tick tick = std::move(ticks_.front());
         ticks_.pop_front();
