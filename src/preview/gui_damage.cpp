@@ -4,20 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace matchlight {
 
 namespace {
 
-bool same_bits(const ImDrawVert& a, const ImDrawVert& b) {
-    return std::memcmp(&a, &b, sizeof a) == 0;
+bool is_same(const ImDrawVert& a, const ImDrawVert& b) {
+    return a.pos.x == b.pos.x && a.pos.y == b.pos.y && a.uv.x == b.uv.x && a.uv.y == b.uv.y && a.col == b.col;
+}
+
+bool is_same(const ImVec4& a, const ImVec4& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z && a.w == b.w;
 }
 
 /// Textures that are drawn may be filled anew from frame to frame.
 bool is_same_part(const ImDrawCmd& a, const ImDrawCmd& b) {
     return a.TextureId == nullptr && b.TextureId == nullptr && a.VtxOffset == b.VtxOffset &&
-           std::memcmp(&a.ClipRect, &b.ClipRect, sizeof a.ClipRect) == 0;
+           is_same(a.ClipRect, b.ClipRect);
 }
 
 /// Whole pixels about it, and one more for edges that are smoothed.
@@ -81,10 +84,10 @@ Region GuiDamage::changed(const Drawn& before, const Drawn& now) {
     std::size_t first = 0, last = 0;  // corners that both begin, and both end with
     if (same_parts && (!same_count || before.indices == now.indices)) {
         const std::size_t both = std::min(before.corners.size(), now.corners.size());
-        while (first < both && same_bits(before.corners[first], now.corners[first])) ++first;
+        while (first < both && is_same(before.corners[first], now.corners[first])) ++first;
         if (same_count && first == both) return {};
-        while (last < both - first && same_bits(before.corners[before.corners.size() - 1 - last],
-                                                now.corners[now.corners.size() - 1 - last])) {
+        while (last < both - first &&
+               is_same(before.corners[before.corners.size() - 1 - last], now.corners[now.corners.size() - 1 - last])) {
             ++last;
         }
     }
