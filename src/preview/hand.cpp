@@ -12,6 +12,7 @@
 
 #include "compositor/scene_objects.h"
 #include "core/error.h"
+#include "preview/object_keys.h"
 
 namespace matchlight {
 
@@ -43,12 +44,6 @@ double distance_to_segment(const Vector2d& point, const Vector2d& from, const Ve
 
 ImVec2 at(const Vector2d& place) {
     return {static_cast<float>(place.x()), static_cast<float>(place.y())};
-}
-
-/// An equal scale is one number.
-SceneValue scale_value(const Vector3d& scale) {
-    if (scale.x() == scale.y() && scale.y() == scale.z()) return scale.x();
-    return std::vector<double>(scale.begin(), scale.end());
 }
 
 std::vector<double> list_of(const Vector3d& xyz) {
@@ -127,10 +122,9 @@ void Hand::keep_targets(const Scene& scene) {
 
 std::optional<Handles> Hand::handles_of(const Sight& sight, std::size_t object) const {
     const ObjectSettings& settings = sight.scene.objects[object];
-    if (!settings.keys.empty()) return std::nullopt;  // its place is that of its keys
     Handles handles;
     handles.world_from_parent = world_from_parent(settings, sight.solve, sight.scene.path);
-    handles.centre_m = handles.world_from_parent * settings.translate_m;
+    handles.centre_m = handles.world_from_parent * placing_at(settings, sight.picture.frame).translate_m;
     const double depth_m = (*sight.picture.camera_from_world * handles.centre_m).z();
     const double zoom = sight.canvas.zoom(sight.area);
     handles.radius_m = ring_px * sight.scale / zoom * depth_m / sight.picture.camera.fx;
@@ -172,7 +166,7 @@ void Hand::grab(const Sight& sight, Session& session) {
     const std::optional<Handles> handles = handles_of(sight, *taken.object);
     if (!ray || !handles) return;
     const ObjectSettings& object = sight.scene.objects[*taken.object];
-    const Placing before{object.translate_m, object.rotate_deg, object.scale};
+    const Placing before = placing_at(object, sight.picture.frame);
     if (auto drag = HandleDrag::begin(taken.grab, before, *handles, *ray)) {
         held_ = Held{*taken.object, *drag};
     }
@@ -182,15 +176,13 @@ void Hand::drag_on(const Sight& sight, Session& session) {
     const std::optional<PixelRay> ray = sight.ray();
     const std::optional<Placing> placing = ray ? held_->drag.to(*ray) : std::nullopt;
     if (!placing) return;
-    const std::string key = fmt::format("object[{}]", held_->object);
-    switch (held_->drag.grip()) {
-        case Grip::turn:
-            return session.set(key + ".rotate_deg", list_of(placing->rotate_deg), "turn");
-        case Grip::size:
-            return session.set(key + ".scale", scale_value(placing->scale), "scale");
-        default:
-            return session.set(key + ".translate", list_of(placing->translate_m), "move");
-    }
+    const Grip grip = held_->drag.grip();
+    session.change(
+        [&](SceneText& text) {
+            set_placing(text, fmt::format("object[{}]", held_->object), sight.scene.objects[held_->object],
+                        sight.picture.frame, grip, *placing);
+        },
+        fmt::format("{} object[{}]", verb_of(grip), held_->object), verb_of(grip));
 }
 
 void Hand::focus(const Sight& sight, Session& session) const {
@@ -265,19 +257,20 @@ std::string Hand::told(const Sight& sight, const Under& under) const {
     }
     if (held_ && held_->object < sight.scene.objects.size()) {
         const ObjectSettings& object = sight.scene.objects[held_->object];
+        const Placing placing = placing_at(object, sight.picture.frame);
         switch (held_->drag.grip()) {
             case Grip::turn:
-                return fmt::format("{}: turned to {:.4g}°", object.name, object.rotate_deg.z());
+                return fmt::format("{}: turned to {:.4g}°", object.name, placing.rotate_deg.z());
             case Grip::size:
-                return fmt::format("{}: scaled by {:.4g}", object.name, object.scale.x());
+                return fmt::format("{}: scaled by {:.4g}", object.name, placing.scale.x());
             default:
-                return fmt::format("{}: at {:.4g} m", object.name, fmt::join(list_of(object.translate_m), ", "));
+                return fmt::format("{}: at {:.4g} m", object.name, fmt::join(list_of(placing.translate_m), ", "));
         }
     }
     if (!sight.on_picture || !under.object) return "";
-    const bool moves_by_keys = !sight.scene.objects[*under.object].keys.empty();
-    if (moves_by_keys) return fmt::format("{}: it moves by its keys", name_of(*under.object));
-    return fmt::format("{}: drag to {} it", name_of(*under.object), verb_of(under.grab.grip));
+    const bool has_keys = !sight.scene.objects[*under.object].keys.empty();
+    return fmt::format("{}: drag to {} it{}", name_of(*under.object), verb_of(under.grab.grip),
+                       has_keys ? fmt::format(" at frame {}", sight.picture.frame) : "");
 }
 
 void Hand::lay_out(const Region& area, float scale, const Canvas& canvas, Session& session) {

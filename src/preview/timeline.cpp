@@ -1,4 +1,4 @@
-// Colours: green a solved pose, amber one bridged, red none; yellow exposure, blue the focus distance.
+// Colours: green a solved pose, amber one bridged, red none; yellow exposure, blue the focus distance; white keys.
 #include "preview/timeline.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 constexpr ImU32 solved_color = IM_COL32(74, 148, 92, 255), bridged_color = IM_COL32(206, 150, 50, 255),
                 gap_color = IM_COL32(176, 60, 52, 255), exposure_color = IM_COL32(238, 206, 96, 255),
                 focus_color = IM_COL32(104, 176, 240, 255), back_color = IM_COL32(22, 23, 25, 255),
-                here_color = IM_COL32(255, 255, 255, 230);
+                here_color = IM_COL32(255, 255, 255, 230), key_color = IM_COL32(255, 255, 255, 200);
 
 /// Where frames lie on the strip.
 struct Strip {
@@ -61,6 +61,16 @@ void draw_curve(const Solve& solve, const Strip& strip, float bottom, std::optio
         ImGui::GetWindowDrawList()->AddCircleFilled(at, 1.5f, color, 6);
         before = at;
         frame_before = frame.frame;
+    }
+}
+
+/// A diamond for each key that the object moves by.
+void draw_keys(const ObjectSettings& object, const Strip& strip, float scale) {
+    const float half = 5 * scale, middle = strip.from.y + half + scale;
+    for (const ObjectKey& key : object.keys) {
+        const float x = strip.x(static_cast<double>(key.frame));
+        ImGui::GetWindowDrawList()->AddQuadFilled({x, middle - half}, {x + half, middle}, {x, middle + half},
+                                                  {x - half, middle}, key_color);
     }
 }
 
@@ -135,6 +145,7 @@ void lay_out_timeline(Session& session, Controls& controls, const Region& area, 
             draw_poses(facts->solve, strip, poses_top);
             draw_curve(facts->solve, strip, poses_top, &SolvedFrame::exposure_ev, exposure_color);
             draw_curve(facts->solve, strip, poses_top, &SolvedFrame::focus_distance_m, focus_color);
+            if (session.chosen()) draw_keys(session.scene().objects[*session.chosen()], strip, scale);
             const float here = strip.x(static_cast<double>(session.frame()));
             ImGui::GetWindowDrawList()->AddLine({here, strip.from.y}, {here, strip.to.y}, here_color, 2 * scale);
         }

@@ -121,6 +121,24 @@ TEST_F(PreviewEditTest, TheRingTurnsAndTheSquareScales) {
     EXPECT_THAT(numbers_of(saved, "translate"), ElementsAre(-0.05, -0.1, 0.02));
 }
 
+TEST_F(PreviewEditTest, WhatMovesByKeysGetsOneWhereItIsDragged) {
+    append_to_scene(
+        "\n[[object]]\nshape = \"sphere\"\nkeys = [{frame = 0, translate = [-0.05, -0.1, 0.02], scale = 0.04},\n"
+        "        {frame = 11, translate = [-0.05, -0.1, 0.06], scale = 0.04}] # up\n");
+    hand(
+        "wait_idle\nkey 1\nwait_idle\nclick 410 405\nwait_idle\ndrag 418 396 518 380 3\nwait_idle\nkey "
+        "ctrl+s\nwait_idle");
+    const std::string first = bytes_of(scene_);
+    EXPECT_THAT(first, HasSubstr("# up"));
+    EXPECT_THAT(first, HasSubstr("translate = [-0.05, -0.1, 0.06], scale = 0.04}]")) << "the other key is as it was";
+    EXPECT_THAT(first, testing::ContainsRegex("frame = 0, translate = .0\\.03[0-9]+, -0\\.09[0-9]*, 0\\.02"));
+    // Between its keys, where it stands 5/11 of the way up, it is given one more.
+    hand("wait_idle\nkey 1\nframe 5\nwait_idle\ndrag 470 360 520 340 3\nwait_idle\nkey ctrl+s\nwait_idle");
+    EXPECT_THAT(bytes_of(scene_),
+                testing::ContainsRegex("scale = 0.04}, .frame = 5, translate = .0[-0-9., ]*, 0.0381*8., scale = "
+                                       "0.04}, .frame = 11, translate = .-0.05, -0.1, 0.06., scale = 0.04}. # up"));
+}
+
 TEST_F(PreviewEditTest, AShiftedClickFocusesOnWhatIsThere) {
     hand("wait_idle\nkey 1\nwait_idle\n" + shot("first") + "click 432 290 shift\n" + shot("ball") +
          "click 600 440 shift\n" + shot("table") + "key ctrl+s\nwait_idle\n");
