@@ -32,6 +32,7 @@ ObjectSettings shape_of(const ObjectSettings& object) {
     shape.shape = object.shape;
     shape.spheres = object.spheres;
     shape.sphere = object.sphere;
+    shape.animation = object.animation;
     return shape;
 }
 
@@ -292,6 +293,8 @@ void Hand::lay_out(const Region& area, float scale, const Canvas& canvas, Sessio
     };
     const Vector2d pointer_px(io.MousePos.x, io.MousePos.y);
     const bool down = canvas.hand_is_free();
+    // While it plays nothing is told of what lies under the pointer.
+    if (down || (canvas.hovered() && !session.playing())) targets_.set_time(session.picture()->time_s);
     const bool goes_down = down && !down_, moved = pointer_px != last_px_;
     down_ = down;
     last_px_ = pointer_px;
@@ -308,7 +311,7 @@ void Hand::lay_out(const Region& area, float scale, const Canvas& canvas, Sessio
         drag_on(sight(), session);
     }
     const Sight now = sight();
-    const Under found = now.on_picture && !down ? under(now) : Under{};
+    const Under found = now.on_picture && !down && !session.playing() ? under(now) : Under{};
     draw(now, found);
     says_ = told(now, found);
 }

@@ -7,6 +7,7 @@
 
 #include "compositor/scene_objects.h"
 #include "render/virtual_layer.h"
+#include "scene/model_pose.h"
 #include "scene/ray_caster.h"
 #include "scene/sphere_caster.h"
 #include "scene/sphere_file.h"
@@ -69,17 +70,27 @@ struct PickTargets::Target {
     std::filesystem::path model, sphere_file;
     std::string shape;
     SphereSettings sphere_settings;
+    AnimationSettings animation;
 
+    std::optional<PosedModel> posed;  // where an animation moves it
+    std::optional<double> posed_at_s;
     RayCaster triangles;
     SphereSet spheres;
     SphereCaster sphere_tree;  // of `spheres`, which therefore stays where it is
 
     bool is_of(const ObjectSettings& object) const {
         return model == object.model && sphere_file == object.spheres && shape == object.shape &&
-               sphere_settings == object.sphere;
+               sphere_settings == object.sphere && animation == object.animation;
     }
     void take(const Model& of) {
-        for (const ModelMesh& mesh : of.meshes) {
+        take(of.meshes);
+        if (of.rig == nullptr) return;
+        posed.emplace(of, animation.name, model);
+        if (!posed->moves()) posed.reset();
+    }
+    void take(std::span<const ModelMesh> meshes) {
+        triangles = RayCaster();
+        for (const ModelMesh& mesh : meshes) {
             std::vector<Vector3d> positions_m;
             for (const ModelVertex& vertex : mesh.vertices) {
                 positions_m.push_back(Eigen::Vector3f(vertex.position.data()).cast<double>());
@@ -87,6 +98,11 @@ struct PickTargets::Target {
             triangles.add_mesh(positions_m, mesh.indices);
         }
         triangles.build();
+    }
+    void set_time(double clip_time_s) {
+        if (!posed) return;
+        const double time_s = posed->animation_time_s(animation, clip_time_s);
+        if (std::exchange(posed_at_s, time_s) != time_s) take(posed->at(time_s));
     }
     void take(SphereSet set) {
         spheres = std::move(set);
@@ -111,8 +127,8 @@ PickTargets& PickTargets::operator=(PickTargets&&) noexcept = default;
 void PickTargets::set_scene(const Scene& scene) {
     Warnings unheard;  // the compositor says the same of its files
     unheard.set_quiet(true);
-    std::vector<std::shared_ptr<const Target>> targets;
-    const auto known = [&](const ObjectSettings& object) -> std::shared_ptr<const Target> {
+    std::vector<std::shared_ptr<Target>> targets;
+    const auto known = [&](const ObjectSettings& object) -> std::shared_ptr<Target> {
         for (const auto* of : {&targets, &targets_}) {
             const auto found = std::ranges::find_if(*of, [&](const auto& target) { return target->is_of(object); });
             if (found != of->end()) return *found;
@@ -129,6 +145,7 @@ void PickTargets::set_scene(const Scene& scene) {
         target->sphere_file = object.spheres;
         target->shape = object.shape;
         target->sphere_settings = object.sphere;
+        target->animation = object.animation;
         if (!object.spheres.empty()) {
             target->take(load_sphere_set(object.spheres, object.sphere, unheard));
         } else {
@@ -150,6 +167,10 @@ void PickTargets::add(SphereSet spheres) {
     const auto target = std::make_shared<Target>();
     target->take(std::move(spheres));
     targets_.push_back(target);
+}
+
+void PickTargets::set_time(double time_s) {
+    for (const std::shared_ptr<Target>& target : targets_) target->set_time(time_s);
 }
 
 std::optional<Pick> PickTargets::first_object(const PixelRay& ray,

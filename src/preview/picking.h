@@ -73,6 +73,9 @@ public:
     void add(const Model& model);
     void add(SphereSet spheres);
 
+    /// Animated models are met as they stand at that time of the clip, in seconds.
+    void set_time(double time_s);
+
     /// The object that the ray meets first. One placement an object.
     std::optional<Pick> first_object(const PixelRay& ray, std::span<const Eigen::Matrix4d> world_from_model) const;
     /// That, or the real surface where that is nearer: what a lens focuses on there.
@@ -81,7 +84,7 @@ public:
 
 private:
     struct Target;
-    std::vector<std::shared_ptr<const Target>> targets_;
+    std::vector<std::shared_ptr<Target>> targets_;
 };
 
 }  // namespace matchlight

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "../scene/model_test.h"
+
 namespace matchlight {
 namespace {
 
@@ -113,6 +115,28 @@ TEST(Picking, TheNearestObjectIsMetWhereItStands) {
     EXPECT_EQ(pick({0, 0, 0.05})->object, 1U);
     scene.surface.present = false;
     EXPECT_FALSE(pick({-0.2, 0, 0}));
+}
+
+using AnimatedPicking = ModelTest;
+
+TEST_F(AnimatedPicking, ModelsAreMetAsTheyStandAtThatTime) {
+    // A triangle with corners at 0, x and glTF's y (the world's z), which moves by 3 along x in a second.
+    GltfBuilder builder = GltfBuilder::triangle();
+    const std::size_t input = builder.add<float>({0, 1}, 5126, "SCALAR");
+    const std::size_t output = builder.add<float>({0, 0, 0, 3, 0, 0}, 5126, "VEC3");
+    builder.root["animations"] = {{{"name", "move"},
+                                   {"samplers", {{{"input", input}, {"output", output}}}},
+                                   {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
+    PickTargets targets;
+    targets.add(load(builder));
+    const std::vector<Eigen::Matrix4d> placements{Eigen::Matrix4d::Identity()};
+    const PixelRay at_rest{Vector3d(0.2, -1, 0.2), Vector3d(0, 1, 0)}, after_half{Vector3d(1.7, -1, 0.2), Vector3d(0, 1, 0)};
+    targets.set_time(0);
+    EXPECT_TRUE(targets.first_object(at_rest, placements));
+    EXPECT_FALSE(targets.first_object(after_half, placements));
+    targets.set_time(0.5);
+    EXPECT_FALSE(targets.first_object(at_rest, placements));
+    EXPECT_TRUE(targets.first_object(after_half, placements));
 }
 
 TEST(Picking, SpheresAreMetAsTheyAreScaledAndPlaced) {
