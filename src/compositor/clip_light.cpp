@@ -202,6 +202,12 @@ void ClipLight::bind_shading(Program& program) const {
     }
 }
 
+std::optional<WatchedTexture> ClipLight::map_of(const std::string& pass) const {
+    if (pass != contact_pass || !contact_shadow_) return std::nullopt;
+    const Texture2D& loss = contact_shadow_->far.loss;
+    return WatchedTexture{pass, {.format = GL_RGBA32F, .region = loss.bounds()}, loss.read<float>(loss.bounds(), 4)};
+}
+
 std::optional<MirrorReach> ClipLight::mirror_reach() const {
     const Eigen::AlignedBox3d objects_m = surfaces_.virtual_bounds_m();
     if (surface_.reflection == 0 || !surface_.present || !shading_.traces_rays || objects_m.isEmpty())

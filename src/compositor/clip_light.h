@@ -53,6 +53,8 @@ public:
     const Environment& environment() const { return *environment_; }
     const std::optional<ContactShadow>& contact_shadow() const { return contact_shadow_; }
     const SurfaceShading& shading() const { return shading_; }
+    /// The map that a pass of add_passes() made, for a look inside; nullopt where it made none that is a picture.
+    std::optional<WatchedTexture> map_of(const std::string& pass) const;
     /// What the real surface mirrors of the objects; nullopt where it mirrors none, or no rays are traced.
     std::optional<MirrorReach> mirror_reach() const;
     /// The pass that draws it over the runs of a region, after `light` (of add_passes()); empty where it is left out.

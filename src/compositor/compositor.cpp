@@ -256,6 +256,7 @@ CompositedFrame Compositor::composite(PlateFrame plate) {
     if (!plan) return result;
     FramePasses(impl_->resources(), *plan).composite(result, impl_->options);
     check_no_gl_error(fmt::format("compositing frame {}", result.plate.index()));
+    if (!impl_->watched_pass.empty()) impl_->watched_map = impl_->light->map_of(impl_->watched_pass);
     if (result.clipped_under_shadow > 0) {
         impl_->warnings.add(
             fmt::format("{}: frames have clipped pixels under a shadow that no other frame shows unclipped: they are "
@@ -285,10 +286,12 @@ void Compositor::set_pose(std::int64_t frame, const RigidTransform& camera_from_
 
 void Compositor::watch(const std::string& pass) {
     impl_->graph.watch(pass);
+    impl_->watched_pass = pass;
+    impl_->watched_map.reset();
 }
 
 const std::optional<WatchedTexture>& Compositor::watched() const {
-    return impl_->graph.watched();
+    return impl_->watched_map ? impl_->watched_map : impl_->graph.watched();
 }
 
 void Compositor::set_timed(bool timed) {

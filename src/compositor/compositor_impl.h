@@ -77,6 +77,8 @@ struct Compositor::Impl {
     RenderGraph graph;
     std::optional<ClipLight> light;
     bool light_is_stale = false;
+    std::string watched_pass;
+    std::optional<WatchedTexture> watched_map;        // of the light, which is made before the frame's passes
     bool dragging = false, surface_is_stale = false;  // the options' gathered surface, while dragging
     std::optional<LevelChoice> level_choice;          // by the budget
     std::optional<Background> background;             // of a scene without footage

@@ -129,6 +129,12 @@ bool Controls::button(const std::string& name, const char* text, const char* too
     return set_for(name).has_value() || pressed;
 }
 
+bool Controls::area(const std::string& name, float side) {
+    const bool pressed = ImGui::InvisibleButton(name.c_str(), {side, side});
+    note(name, "", nullptr);
+    return pressed;
+}
+
 bool Controls::toggle(const std::string& name, const char* text, bool& on, const char* tooltip) {
     if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
     const bool was_on = on;

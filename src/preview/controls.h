@@ -33,6 +33,8 @@ public:
     void begin_frame();
 
     bool button(const std::string& name, const char* text, const char* tooltip = nullptr);
+    /// A square without looks of its own.
+    bool area(const std::string& name, float side);
     /// A button that stays down.
     bool toggle(const std::string& name, const char* text, bool& on, const char* tooltip = nullptr);
     /// Of a list, as wide as it is.

@@ -15,6 +15,11 @@ void cell(const std::string& text) {
     ImGui::TextUnformatted(text.c_str());
 }
 
+/// It was drawn before, and what it left is still there.
+bool is_kept(const PassReport& pass) {
+    return pass.why.starts_with("made once");
+}
+
 /// For scripts: no spaces.
 std::string control_of(const PassReport& pass) {
     std::string name = "passes." + pass.name;
@@ -34,7 +39,7 @@ void lay_out_pass(Session& session, Controls& controls, const PassReport& pass) 
                                             pass.bytes / 1e6, pass.bandwidth_bounds, pass.why)
                                     .c_str());
     }
-    cell(fmt::format("{:.2f}", pass.ms));
+    cell(is_kept(pass) ? "once" : fmt::format("{:.2f}", pass.ms));
     cell(fmt::format("{}×{}", pass.frame_pixels.width, pass.frame_pixels.height));
     cell(fmt::format("{:.1f}", pass.bytes / 1e6));
 }
@@ -45,7 +50,7 @@ void lay_out_drawn(Session& session, Controls& controls, const std::vector<PassR
     for (const char* column : {"ms", "pixels", "MB"}) ImGui::TableSetupColumn(column);
     ImGui::TableHeadersRow();
     for (const PassReport& pass : passes) {
-        if (pass.drawn) lay_out_pass(session, controls, pass);
+        if (pass.drawn || is_kept(pass)) lay_out_pass(session, controls, pass);
     }
     ImGui::EndTable();
 }
@@ -79,7 +84,7 @@ void lay_out_passes_panel(Session& session, Controls& controls) {
     ImGui::Spacing();
     ImGui::TextUnformatted("Left out:");
     for (const PassReport& pass : passes) {
-        if (!pass.drawn) ImGui::TextWrapped("%s: %s", pass.name.c_str(), pass.why.c_str());
+        if (!pass.drawn && !is_kept(pass)) ImGui::TextWrapped("%s: %s", pass.name.c_str(), pass.why.c_str());
     }
 }
 

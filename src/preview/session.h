@@ -102,6 +102,8 @@ public:
     void remove_chosen();
     /// A model or a set of spheres stands there; a picture of light becomes the probe.
     void take_file(const std::filesystem::path& file, const Eigen::Vector3d& translate_m);
+    /// What is being drawn of an aperture (aperture_sketch.h), and no part of the scene before it is taken.
+    std::vector<Eigen::Vector2d>& aperture_corners() { return aperture_corners_; }
     /// A key whose value is "off" or 0 becomes what it was when it was switched off, or `on`; any other, `off`.
     void toggle(const std::string& key, const SceneValue& off, const SceneValue& on);
 
@@ -156,6 +158,7 @@ private:
     SceneValues values_;
     std::map<std::string, std::string> switched_off_;  // keys, as they were written; empty: they were not
     std::optional<std::size_t> chosen_;
+    std::vector<Eigen::Vector2d> aperture_corners_;
     ShotLevel level_;
     PlaybackClock clock_;
     std::int64_t frame_ = 0;  // wanted

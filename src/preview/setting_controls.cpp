@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include "preview/aperture_sketch.h"
+
 namespace matchlight {
 
 namespace {
@@ -192,6 +194,7 @@ void lay_out_setting(Session& session, Controls& controls, const Setting& settin
         const bool is_open = setting.section.find('.') == std::string_view::npos || session.values().is_table(key);
         if (ImGui::TreeNodeEx(fmt::format("{}##{}", label_of(setting), key).c_str(),
                               is_open ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None)) {
+            if (name.ends_with("glare.aperture")) lay_out_aperture_sketch(session, controls, key);
             lay_out_section(session, controls, name, key);
             ImGui::TreePop();
         }

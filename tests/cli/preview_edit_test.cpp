@@ -1,5 +1,6 @@
 // What is changed in the window is what its file says, and what render makes of that file.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -137,6 +138,31 @@ TEST_F(PreviewEditTest, WhatMovesByKeysGetsOneWhereItIsDragged) {
     EXPECT_THAT(bytes_of(scene_),
                 testing::ContainsRegex("scale = 0.04}, .frame = 5, translate = .0[-0-9., ]*, 0.0381*8., scale = "
                                        "0.04}, .frame = 11, translate = .-0.05, -0.1, 0.06., scale = 0.04}. # up"));
+}
+
+TEST_F(PreviewEditTest, AnApertureDrawnByHandIsWhatRenderReads) {
+    append_to_scene(
+        "\n[effects]\nglare = {level = \"diffraction\", threshold = 0.1, strength = 2, aperture = {blades = 6}}\n");
+    const std::string opened = "wait_idle\nkey 1\nshow effects\nwait_idle\n";
+    std::istringstream lines(hand(opened + "controls\n"));
+    Region square;
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string control, name, at;
+        words >> control >> name >> at;
+        if (name == "effects.glare.aperture.draw") words >> square.x >> square.y >> square.width >> square.height;
+    }
+    ASSERT_FALSE(square.empty());
+    std::string script = opened + shot("blades");
+    for (const auto& [x, y] :
+         {std::pair(0.1, 0.45), std::pair(0.9, 0.45), std::pair(0.9, 0.55), std::pair(0.1, 0.55)}) {
+        script += "click " + std::to_string(square.x + std::lround(x * square.width)) + " " +
+                  std::to_string(square.y + std::lround(y * square.height)) + "\n";
+    }
+    hand(script + "click effects.glare.aperture.take\nmove 100 300\n" + shot("drawn") + "key ctrl+s\nwait_idle");
+    EXPECT_THAT(bytes_of(scene_), testing::ContainsRegex("image = \"table.aperture-[0-9a-f]+.png\""));
+    EXPECT_FALSE(same(picture("drawn"), picture("blades")));
+    EXPECT_TRUE(same(rendered(0), picture("drawn")));
 }
 
 TEST_F(PreviewEditTest, AShiftedClickFocusesOnWhatIsThere) {

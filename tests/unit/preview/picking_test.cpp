@@ -124,13 +124,15 @@ TEST_F(AnimatedPicking, ModelsAreMetAsTheyStandAtThatTime) {
     GltfBuilder builder = GltfBuilder::triangle();
     const std::size_t input = builder.add<float>({0, 1}, 5126, "SCALAR");
     const std::size_t output = builder.add<float>({0, 0, 0, 3, 0, 0}, 5126, "VEC3");
-    builder.root["animations"] = {{{"name", "move"},
-                                   {"samplers", {{{"input", input}, {"output", output}}}},
-                                   {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
+    builder.root["animations"] = {
+        {{"name", "move"},
+         {"samplers", {{{"input", input}, {"output", output}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
     PickTargets targets;
     targets.add(load(builder));
     const std::vector<Eigen::Matrix4d> placements{Eigen::Matrix4d::Identity()};
-    const PixelRay at_rest{Vector3d(0.2, -1, 0.2), Vector3d(0, 1, 0)}, after_half{Vector3d(1.7, -1, 0.2), Vector3d(0, 1, 0)};
+    const PixelRay at_rest{Vector3d(0.2, -1, 0.2), Vector3d(0, 1, 0)},
+        after_half{Vector3d(1.7, -1, 0.2), Vector3d(0, 1, 0)};
     targets.set_time(0);
     EXPECT_TRUE(targets.first_object(at_rest, placements));
     EXPECT_FALSE(targets.first_object(after_half, placements));
