@@ -17,6 +17,7 @@ namespace {
 
 /// Stops: where views differ by more than this, more tells no more.
 constexpr double most_ev = 1;
+constexpr double most_stretched = 3;
 /// Cost where no other view shows a place: neither a match nor a contradiction.
 constexpr float unknown_cost = 0.3F;
 /// What the nearest costs more than the farthest: where parallax tells nothing, things are far.
@@ -39,7 +40,9 @@ BallDepthMap unwrapped(const BallScene& scene, const BallUnwrap& unwrap, std::si
             if (!hit) continue;
             Gathered light;
             unwrap.add_reflection(v, *hit, towards, 1, light);
-            map.known.at(x, y) = unwrap.clearness(v, *hit, towards) > 0.5 ? 1.F : 0.F;
+            // Towards the rim pixels are stretched, by one over the cosine: their edges lie a pixel anywhere.
+            const bool fine = hit->cosine > 1 / most_stretched;
+            map.known.at(x, y) = fine && unwrap.clearness(v, *hit, towards) > 0.5 ? 1.F : 0.F;
             for (int c = 0; c < 3; ++c) {
                 map.point_m.at(x, y, c) = static_cast<float>(hit->point_m[c]);
                 if (light.weight > 0) map.light.at(x, y, c) = static_cast<float>(light.light[c] / light.weight);

@@ -28,11 +28,12 @@ constexpr int most_depth_rows = 256;
 /// What a direction shows that lies in pixel (x, y) of the map.
 using DirectionLight = std::function<Gathered(const Eigen::Vector3d& towards, int x, int y)>;
 
-/// Every pixel of the map by its samples, which count alike.
-void gather(BallProbe& probe, const DirectionLight& light_of) {
+/// Every pixel of the map, of those where `of_pixel` says so, by its samples, which count alike.
+void gather(BallProbe& probe, const DirectionLight& light_of, const std::function<bool(int x, int y)>& of_pixel) {
     const int width = probe.radiance.width(), height = probe.radiance.height();
     parallel_for(height, [&](int y) {
         for (int x = 0; x < width; ++x) {
+            if (!of_pixel(x, y)) continue;
             Gathered sum;
             double met = 0;
             for (const auto& [across, down] : map_samples) {
@@ -108,20 +109,36 @@ BallProbe probe_from_balls(const BallScene& whole_scene, const BallProbeOptions&
         const double nearness = depth->nearness(x * depth->height() / height, y * depth->height() / height);
         std::vector<double> visible;
         // Never quite 0: what no view shows is guessed better by what hides it than by what lies around.
-        for (std::size_t v = 0; v < views.size(); ++v) visible.push_back(depth->visible(v, towards, nearness) + 1e-4);
+        for (std::size_t v = 0; v < views.size(); ++v)
+            visible.push_back(std::max(1e-4, depth->visible(v, towards, nearness)));
         return unwrap.near_light({options.place_m, towards, nearness}, visible);
     };
-    gather(probe, light_of);
+    gather(probe, light_of, [](int, int) { return true; });
 
     if (scene.plane && scene.plane->height_m(options.place_m) > 0) {
         ImageF first = probe.radiance;
         fill_unseen(first, probe.seen);
-        const BallTable table(scene, options, unwrap, first);
-        gather(probe, [&](const Eigen::Vector3d& towards, int x, int y) {
-            const auto place_m = table.place(towards);
-            return place_m ? table.light(*place_m, x, y) : light_of(towards, x, y);
-        });
-        table.draw_print(probe);
+        BallTable table(scene, options, unwrap, first);
+        const auto take_table = [&] {
+            gather(
+                probe,
+                [&](const Eigen::Vector3d& towards, int x, int y) {
+                    const auto place_m = table.place(towards);
+                    return place_m ? table.light(towards, *place_m, y) : light_of(towards, x, y);
+                },
+                [&](int x, int y) {
+                    return std::ranges::any_of(map_samples, [&](const auto& sample) {
+                        return table.place(latlong_direction(x + sample.first, y + sample.second, width, height))
+                            .has_value();
+                    });
+                });
+            table.draw_print(probe);
+        };
+        take_table();
+        ImageF found = probe.radiance;
+        fill_unseen(found, probe.seen);
+        table.follow_reflections(found);
+        take_table();
     }
     fill_unseen(probe.radiance, probe.seen);
     summarize(probe);

@@ -2,6 +2,7 @@
 #include "lighting/ball_shadow.h"
 
 #include <cmath>
+#include <optional>
 
 #include "lighting/latlong_grid.h"
 #include "lighting/resample.h"
@@ -17,7 +18,7 @@ constexpr int fine_rows = 64, coarse_rows = 16;
 
 BallShadow::BallShadow(const Probe& light, const RigPlane& plane, const MirrorBall& ball,
                        const Eigen::Vector3d& reflectance)
-    : ball_(ball), reflectance_(reflectance), smooth_(resized(light, coarse_rows)) {
+    : plane_(plane), ball_(ball), reflectance_(reflectance), smooth_(resized(light, coarse_rows)) {
     const Probe fine = resized(light, fine_rows);
     const LatlongGrid grid(2 * fine_rows, fine_rows);
     for (int y = 0; y < fine_rows; ++y) {
@@ -35,7 +36,7 @@ BallShadow::BallShadow(const Probe& light, const RigPlane& plane, const MirrorBa
     }
 }
 
-Eigen::Vector3d BallShadow::unshadowed_over_seen(const Eigen::Vector3d& place_m) const {
+Eigen::Vector3d BallShadow::unshadowed_over_seen(const Eigen::Vector3d& place_m, const GroundLight& ground) const {
     // Past forty radii the ball covers less than a thousandth of the sky.
     if ((place_m - ball_.centre_m).norm() > 40 * ball_.radius_m || whole_.minCoeff() <= 0) {
         return Eigen::Vector3d::Ones();
@@ -44,7 +45,8 @@ Eigen::Vector3d BallShadow::unshadowed_over_seen(const Eigen::Vector3d& place_m)
     for (const Direction& direction : directions_) {
         const auto hit = hit_ball(ball_, place_m, direction.towards);
         if (!hit) continue;
-        Eigen::Vector3d thrown = smooth_.radiance(hit->reflected);
+        const auto below = ground ? plane_.meets(hit->point_m, hit->reflected) : std::nullopt;
+        Eigen::Vector3d thrown = below ? ground(*below) : smooth_.radiance(hit->reflected);
         for (int c = 0; c < 3; ++c) thrown[c] *= fresnel_reflectance(reflectance_[c], hit->cosine);
         seen += direction.weight * thrown - direction.light_times_cosine;
     }

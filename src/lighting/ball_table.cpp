@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "lighting/ball_shadow.h"
-#include "lighting/mappings.h"
+#include "lighting/latlong_pyramid.h"
 
 namespace matchlight {
 namespace {
+
+constexpr int shadow_rows = 64;
 
 /// Light of one ink or of the paper of a sheet, as its pixels in the map tell it.
 struct Ink {
@@ -52,17 +53,36 @@ BallTable::BallTable(const BallScene& scene, const BallProbeOptions& options, co
       options_(options),
       unwrap_(unwrap),
       grid_(first.width(), first.height()),
-      gains_(first.width(), first.height(), 3, 1.F) {
-    const BallShadow shadow(Probe{first}, *scene.plane, scene.ball, scene.reflectance);
-    // Shadows of a lamp's size vary little within a pixel.
-    parallel_for(first.height(), [&](int y) {
-        for (int x = 0; x < first.width(); ++x) {
-            const auto place_m = place(latlong_direction(x, y, first.width(), first.height()));
+      shadow_(Probe{first}, *scene.plane, scene.ball, scene.reflectance) {
+    // Shadows of lamps are as soft as the directions are far apart that BallShadow takes.
+    const int rows = std::min(first.height(), shadow_rows);
+    gains_.latlong = ImageF(2 * rows, rows, 3, 1.F);
+    find_gains({});
+}
+
+void BallTable::find_gains(const BallShadow::GroundLight& ground) {
+    ImageF gains = gains_.latlong;
+    parallel_for(gains.height(), [&](int y) {
+        for (int x = 0; x < gains.width(); ++x) {
+            const auto place_m = place(latlong_direction(x, y, gains.width(), gains.height()));
             if (!place_m) continue;
-            const Eigen::Vector3d gain = shadow.unshadowed_over_seen(*place_m);
-            for (int c = 0; c < 3; ++c) gains_.at(x, y, c) = static_cast<float>(gain[c]);
+            const Eigen::Vector3d gain = shadow_.unshadowed_over_seen(*place_m, ground);
+            for (int c = 0; c < 3; ++c) gains.at(x, y, c) = static_cast<float>(gain[c]);
         }
     });
+    gains_.latlong = std::move(gains);
+}
+
+void BallTable::follow_reflections(const ImageF& found) {
+    const Probe table{shrunk_latlong(found, gains_.latlong.width(), gains_.latlong.height())};
+    // Each round adds light that went once more between plane and ball, of which the paper sends back most.
+    constexpr int rounds = 3;
+    for (int round = 0; round < rounds; ++round) {
+        find_gains([&](const Eigen::Vector3d& place_m) -> Eigen::Vector3d {
+            const Eigen::Vector3d towards = (place_m - options_.place_m).normalized();
+            return table.radiance(towards).cwiseQuotient(gains_.radiance(towards));
+        });
+    }
 }
 
 std::optional<Eigen::Vector3d> BallTable::place(const Eigen::Vector3d& towards) const {
@@ -73,9 +93,8 @@ std::optional<Eigen::Vector3d> BallTable::place(const Eigen::Vector3d& towards) 
     return place_m;
 }
 
-Gathered BallTable::light(const Eigen::Vector3d& place_m, int x, int y) const {
-    const Eigen::Vector3d gain = Eigen::Map<const Eigen::Vector3f>(gains_.pixel(x, y)).cast<double>();
-    return unwrap_.plane_light(place_m, grid_.solid_angle(y), gain);
+Gathered BallTable::light(const Eigen::Vector3d& towards, const Eigen::Vector3d& place_m, int y) const {
+    return unwrap_.plane_light(place_m, grid_.solid_angle(y), gains_.radiance(towards));
 }
 
 void BallTable::draw_print(BallProbe& probe) const {
@@ -86,13 +105,13 @@ void BallTable::draw_print(BallProbe& probe) const {
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
             if (probe.seen.at(x, y) < 1) continue;
-            const auto place_m = place(latlong_direction(x, y, width, height));
+            const Eigen::Vector3d towards = latlong_direction(x, y, width, height);
+            const auto place_m = place(towards);
             const auto print = place_m ? print_at(*scene_.rig, *place_m) : std::nullopt;
             if (!print) continue;
-            const Eigen::Vector3f gain = Eigen::Map<const Eigen::Vector3f>(gains_.pixel(x, y));
             const Eigen::Vector3f light = Eigen::Map<const Eigen::Vector3f>(probe.radiance.pixel(x, y));
             // What was hardly shadowed tells more.
-            const float weight = static_cast<float>(grid_.solid_angle(y)) / gain.squaredNorm();
+            const auto weight = static_cast<float>(grid_.solid_angle(y) / gains_.radiance(towards).squaredNorm());
             inks[print->sheet][print->paper ? 1 : 0].samples.push_back({light, weight});
         }
     }

@@ -7,8 +7,10 @@
 
 #include "core/image.h"
 #include "lighting/ball_probe.h"
+#include "lighting/ball_shadow.h"
 #include "lighting/ball_unwrap.h"
 #include "lighting/latlong_grid.h"
+#include "lighting/probe.h"
 
 namespace matchlight {
 
@@ -23,18 +25,25 @@ public:
     /// as good as at infinity.
     std::optional<Eigen::Vector3d> place(const Eigen::Vector3d& towards) const;
 
-    /// Light of a place on the plane that pixel (x, y) of the map shows.
-    Gathered light(const Eigen::Vector3d& place_m, int x, int y) const;
+    /// Light of the place on the plane that a direction in row `y` of the map shows.
+    Gathered light(const Eigen::Vector3d& towards, const Eigen::Vector3d& place_m, int y) const;
+
+    /// Finds the shadow anew: close to the ball the plane is lit by its own reflection in the ball, which only the
+    /// plane without its shadow, `found`, tells.
+    void follow_reflections(const ImageF& found);
 
     /// Draws what nobody sees of a tag as printed, in the ink and the paper of what is seen of it.
     void draw_print(BallProbe& probe) const;
 
 private:
+    void find_gains(const BallShadow::GroundLight& ground);
+
     const BallScene& scene_;
     const BallProbeOptions& options_;
     const BallUnwrap& unwrap_;
     LatlongGrid grid_;
-    ImageF gains_;  // light without the ball over light with it, RGB
+    BallShadow shadow_;
+    Probe gains_;  // light without the ball over light with it, by directions from the probe's place
 };
 
 }  // namespace matchlight

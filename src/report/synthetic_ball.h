@@ -18,6 +18,9 @@ namespace matchlight {
 /// Radiance that arrives from a direction, infinitely far away.
 using Sky = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
 
+/// Radiance that arrives at a place from a direction.
+using Surroundings = std::function<Eigen::Vector3d(const Eigen::Vector3d& place_m, const Eigen::Vector3d& towards)>;
+
 struct BallShot {
     Camera camera;
     MirrorBall ball;  // world
@@ -26,6 +29,7 @@ struct BallShot {
     double blob = 0;         // cosine: the photographer, black, from his direction out to this
     /// What stands close behind the ball, if anything: at its rim a mirror shows what lies far behind it.
     std::optional<Eigen::Vector3d> backdrop;
+    Surroundings near;  // what the ball reflects, where that is not the sky
 };
 
 inline Camera long_lens(int width, int height, double focal_px) {
@@ -69,7 +73,8 @@ inline BallView photographed(const BallShot& shot, const Sky& sky, int side = 4)
                 if (!hit) {
                     sum += shot.backdrop ? *shot.backdrop : sky(ray);
                 } else if (shot.blob <= 0 || hit->reflected.dot(towards_eye) < shot.blob) {
-                    sum += fresnel_reflectance(shot.reflectance, hit->cosine) * sky(hit->reflected);
+                    sum += fresnel_reflectance(shot.reflectance, hit->cosine) *
+                           (shot.near ? shot.near(hit->point_m, hit->reflected) : sky(hit->reflected));
                 }
             }
             for (int c = 0; c < 3; ++c) view.radiance.at(x, y, c) = static_cast<float>(sum[c] / (across * across));

@@ -1,0 +1,145 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "lighting/ball_parallax.h"
+#include "lighting/ball_probe.h"
+#include "lighting/latlong_grid.h"
+#include "lighting/semi_global.h"
+#include "report/synthetic_ball.h"
+
+namespace matchlight {
+namespace {
+
+using std::numbers::pi;
+const MirrorBall ball{{0.02, -0.01, 0.05}, 0.035};
+constexpr double lamp_radiance = 2000, lamp_radius = 1.5 * pi / 180;
+// A striped screen 15 cm from the ball, whose upper edge the ball's middle sees 24° above the horizon.
+constexpr double screen_y = 0.14, screen_half_width = 0.06, edge = 24 * pi / 180;
+const double screen_top = ball.centre_m.z() + (screen_y - ball.centre_m.y()) * std::tan(edge);
+// The lamp lies behind it, 4° below the edge, farther than a pixel of the ball blurs it.
+const Eigen::Vector3d lamp(0, std::cos(edge - 4 * pi / 180), std::sin(edge - 4 * pi / 180));
+const Sky far_room = room_with_lamp(lamp, 0);
+
+Eigen::Vector3d room_with_screen(const Eigen::Vector3d& place_m, const Eigen::Vector3d& towards) {
+    const double distance_m = (screen_y - place_m.y()) / towards.y();
+    const Eigen::Vector3d meets = place_m + distance_m * towards;
+    if (distance_m > 0 && std::abs(meets.x() - ball.centre_m.x()) < screen_half_width && meets.z() < screen_top) {
+        return Eigen::Vector3d(0.5, 0.1, 0.1) * (1 + 0.5 * std::sin(300 * meets.x()) * std::cos(250 * meets.z()));
+    }
+    if (towards.dot(lamp) > std::cos(lamp_radius)) return Eigen::Vector3d::Constant(lamp_radiance);
+    return far_room(towards);
+}
+
+/// Two views of a ball 60 pixels in radius.
+std::vector<BallView> two_views(const Surroundings& surroundings) {
+    std::vector<BallView> views;
+    for (const Eigen::Vector3d& eye : {Eigen::Vector3d(0.45, -0.2, 0.5), Eigen::Vector3d(-0.5, -0.15, 0.45)}) {
+        BallShot shot;
+        shot.camera = long_lens(200, 150, 1200);
+        shot.ball = ball;
+        shot.camera_from_world = looking_at(eye, ball.centre_m);
+        shot.near = surroundings;
+        views.push_back(photographed(shot, far_room));
+        views.back().camera_from_world = shot.camera_from_world;
+    }
+    return views;
+}
+
+BallProbe probe_of(const std::vector<BallView>& views, bool parallax) {
+    BallProbeOptions options;
+    options.place_m = ball.centre_m;
+    options.parallax = parallax;
+    return probe_from_balls({views, ball, Eigen::Vector3d::Ones(), std::nullopt, nullptr}, options);
+}
+
+/// Within 5° of the lamp, over what the lamp sends.
+double lamp_share(const BallProbe& probe) {
+    const int width = probe.radiance.width(), height = probe.radiance.height();
+    const LatlongGrid grid(width, height);
+    double energy = 0;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            if (latlong_direction(x, y, width, height).dot(lamp) < std::cos(5 * pi / 180)) continue;
+            energy += grid.solid_angle(y) * probe.radiance.at(x, y, 1);
+        }
+    }
+    return energy / (lamp_radiance * 2 * pi * (1 - std::cos(lamp_radius)));
+}
+
+TEST(BallDepth, ALampThatAScreenHidesFromTheProbesPlaceIsHidden) {
+    const std::vector<BallView> views = two_views(room_with_screen);
+    const BallProbe built = probe_of(views, true);
+    // Both views see past the edge, 6° higher from their sides of the ball than from its middle.
+    EXPECT_GT(lamp_share(probe_of(views, false)), 0.7);
+    EXPECT_LT(lamp_share(built), 0.2);
+    // 4° below the edge there is screen, 4° above there is wall, and no view shows either there.
+    for (const double across : {-8.0, 0.0, 8.0}) {
+        const double x = std::tan(across * pi / 180) * (screen_y - ball.centre_m.y());
+        for (const double up : {-4.0, 4.0}) {
+            const double z = std::tan(edge + up * pi / 180) * (screen_y - ball.centre_m.y());
+            const Eigen::Vector3d towards = Eigen::Vector3d(x, screen_y - ball.centre_m.y(), z).normalized();
+            const Eigen::Vector3d got = Probe{built.radiance}.radiance(towards);
+            const bool red = got.x() > 2 * got.y();
+            EXPECT_EQ(red, up < 0) << across << ' ' << up << ": " << got.transpose();
+        }
+    }
+}
+
+TEST(BallDepth, WhatIsFarStaysAsItIs) {
+    const std::vector<BallView> views = two_views({});
+    const BallProbe with = probe_of(views, true), without = probe_of(views, false);
+    // A pixel in a thousand, at edges that a view shows stretched, may be taken for near.
+    int different = 0;
+    for (int y = 0; y < with.radiance.height(); ++y) {
+        for (int x = 0; x < with.radiance.width(); ++x) {
+            different +=
+                std::equal(with.radiance.pixel(x, y), with.radiance.pixel(x, y) + 3, without.radiance.pixel(x, y)) ? 0
+                                                                                                                   : 1;
+        }
+    }
+    EXPECT_LT(different, with.radiance.width() * with.radiance.height() / 1000) << different;
+}
+
+TEST(BallDepth, APlaceIsSeenWhereItsReflectionIs) {
+    const Eigen::Vector3d eye(0.5, -0.45, 0.35);
+    for (const Eigen::Vector3d& place :
+         {Eigen::Vector3d(0.1, 0.05, 0.1), Eigen::Vector3d(-0.2, 0.3, 0.4), Eigen::Vector3d(3, -2, 1)}) {
+        const auto hit = hit_reflecting_place(ball, eye, place);
+        ASSERT_TRUE(hit);
+        Eigen::Vector3d normal =
+            ((eye - ball.centre_m).normalized() + (place - ball.centre_m).normalized()).normalized();
+        const SeenPlace seen = seen_place(ball, eye, place, 5, normal);
+        // A hundredth of a step of parallax, which is 0.006 rad here.
+        EXPECT_LT((seen.towards - hit->reflected).norm(), 6e-5) << place.transpose();
+        EXPECT_NEAR(seen.nearness * (place - hit->point_m).norm(), 1, 1e-3);
+    }
+}
+
+TEST(SemiGlobal, AGapTakesTheLabelsAroundItAndAnEdgeOfThePictureKeepsItsJump) {
+    constexpr int size = 24, labels = 6;
+    LabelCosts costs(size, size, labels);
+    ImageF guide(size, size, 1);
+    for (int y = 0; y < size; ++y) {
+        for (int x = 0; x < size; ++x) {
+            const bool right = x >= size / 2;
+            guide.at(x, y) = right ? 1.F : 0.F;
+            // A gap of 5 × 5 pixels tells nothing.
+            const bool gap = std::abs(x - 6) <= 2 && std::abs(y - 12) <= 2;
+            for (int l = 0; l < labels; ++l) costs.at(x, y)[l] = gap || l == (right ? 4 : 1) ? 0.F : 0.5F;
+        }
+    }
+    const LabelCosts sums = semi_global_sums(costs, guide, {0.1F, 1.F, 0.5F});
+    for (int y = 0; y < size; ++y) {
+        for (int x = 0; x < size; ++x) {
+            const float* sum = sums.at(x, y);
+            EXPECT_EQ(std::min_element(sum, sum + labels) - sum, x >= size / 2 ? 4 : 1) << x << ' ' << y;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace matchlight
