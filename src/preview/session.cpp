@@ -69,7 +69,24 @@ void Session::attempt(const std::function<void()>& action) {
 }
 
 bool Session::wants_exact() const {
-    return !options_.strict && !playing_ && !dragging_ && (level_.budget || level_.level > QualityLevel::preview);
+    const bool is_finer = level_.budget || level_.level > QualityLevel::preview || simplifies_spheres();
+    return !options_.strict && !playing_ && !dragging_ && is_finer;
+}
+
+bool Session::simplifies_spheres() const {
+    const auto has_spheres = [](const ObjectSettings& object) { return !object.spheres.empty(); };
+    return !options_.strict && !has_quick_spheres_ && scene_ && std::ranges::any_of(scene_->objects, has_spheres);
+}
+
+ShotLevel Session::quick_level() const {
+    if (options_.strict) return level_;
+    if (simplifies_spheres()) return {.level = QualityLevel::draft, .opaque_spheres = true};
+    return {.level = std::min(level_.level, QualityLevel::preview)};
+}
+
+std::string Session::sphere_mode() const {
+    if (!simplifies_spheres() || !picture_) return "";
+    return shows_exact_ ? "spheres as the level has them" : "spheres opaque while it moves";
 }
 
 void Session::take(Drawer& drawer, bool exact) {
@@ -80,7 +97,7 @@ void Session::take(Drawer& drawer, bool exact) {
     if (news.picture && news.picture->serial == drawer.serial) {
         drawer.asked = false;
         // What is exact of something else by now is of no use.
-        if (!exact || drawer.wish == wish_) take_picture(std::move(*news.picture));
+        if (!exact || drawer.wish == wish_) take_picture(std::move(*news.picture), exact);
     }
     if (!news.failure) return;
     drawer.asked = false;
@@ -103,6 +120,8 @@ void Session::take_facts(std::shared_ptr<const ShotFacts> facts) {
     take_text(history_->text());
     shader_trouble_.clear();
     trouble_.clear();
+    has_quick_spheres_ = false;
+    awaits_first_exact_ = true;
     const std::int64_t count = facts_->footage.frame_count;
     if (first && options_.frame >= count) {
         throw InputError(facts_->footage.path, fmt::format("has no frame {}", options_.frame),
@@ -112,7 +131,14 @@ void Session::take_facts(std::shared_ptr<const ShotFacts> facts) {
     changed_ = true;
 }
 
-void Session::take_picture(ShotPicture picture) {
+void Session::take_picture(ShotPicture picture, bool exact) {
+    // What a hand can follow need not be simplified. A first picture says nothing: much is made with it that stays.
+    constexpr double followed_ms = 100;
+    const bool is_first = std::exchange(awaits_first_exact_, awaits_first_exact_ && !exact);
+    constexpr double lost_ms = 3 * followed_ms;
+    if (exact && !is_first && picture.ms < followed_ms) has_quick_spheres_ = true;
+    if (!exact && picture.ms > lost_ms) has_quick_spheres_ = false;
+    shows_exact_ = exact;
     // Where frames cannot be decoded, the next one is shown.
     if (quick_.wish == wish_) frame_ = picture.frame;
     if (playing_) {
@@ -146,9 +172,8 @@ void Session::update() {
     take(exact_, true);
     if (!facts_) return;
     if (playing_ && picture_ && !quick_.asked && quick_.wish == wish_ && next_due_s() <= 0.0) touch();
-    const ShotLevel quick_level{.level = std::min(level_.level, QualityLevel::preview), .budget = false};
     // One picture at a time: so what is shown while a slider moves is as new as it can be.
-    if (!quick_.asked && quick_.wish != wish_) ask(quick_, options_.strict ? level_ : quick_level);
+    if (!quick_.asked && quick_.wish != wish_) ask(quick_, quick_level());
     if (!wants_exact() || quick_.asked || quick_.wish != wish_ || exact_.asked || exact_.wish == wish_) return;
     if (seconds_since(touched_) < rest_s) return;
     if (!exact_.thread) {

@@ -63,6 +63,10 @@ public:
     std::int64_t frame_count() const { return facts_ ? facts_->footage.frame_count : 0; }
 
     const ShotLevel& level() const { return level_; }
+    /// How sets of spheres are drawn that take too long to be followed by a hand: as nothing but spheres while the view
+    /// or anything else moves, as the level has them (seen through, and shading each other) when it rests. Empty: as
+    /// the level has them, always.
+    std::string sphere_mode() const;
     void set_level(const ShotLevel& level);
     void want(const WantedPictures& wanted);
     void ask_for_passes();
@@ -140,9 +144,11 @@ private:
     /// As it is written by hand: relative to the scene where it lies beside or below it.
     std::string written(const std::filesystem::path& file) const;
     bool wants_exact() const;
+    bool simplifies_spheres() const;
+    ShotLevel quick_level() const;
     void take(Drawer& drawer, bool exact);
     void take_facts(std::shared_ptr<const ShotFacts> facts);
-    void take_picture(ShotPicture picture);
+    void take_picture(ShotPicture picture, bool exact);
     void take_shaders(const ShaderReload& shaders);
     void take_text(const SceneText& text);
     void set_trouble(const std::string& trouble);
@@ -168,6 +174,9 @@ private:
     std::string watched_pass_;
     std::optional<ProbeForm> shown_probe_;
     std::vector<float> picture_times_ms_;
+    bool has_quick_spheres_ = false;  // even as the level has them
+    bool shows_exact_ = false;        // the picture is
+    bool awaits_first_exact_ = true;  // the next one will be the first
     bool passes_ = false;
     bool playing_ = false;
     bool dragging_ = false;

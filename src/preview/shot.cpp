@@ -39,6 +39,11 @@ Scene Shot::drawn_scene() const {
     Scene scene = scene_;
     scene.quality = level_.level;
     if (!level_.budget) scene.budget_ms.reset();
+    if (!level_.opaque_spheres) return scene;
+    for (ObjectSettings& object : scene.objects) {
+        object.sphere.opacity = 1;
+        object.sphere.opacity_column.clear();
+    }
     return scene;
 }
 

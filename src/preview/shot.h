@@ -21,7 +21,8 @@ namespace matchlight {
 /// How exactly a scene is drawn.
 struct ShotLevel {
     QualityLevel level = QualityLevel::final_;
-    bool budget = false;  // the scene's budget_ms chooses levels instead
+    bool budget = false;          // the scene's budget_ms chooses levels instead
+    bool opaque_spheres = false;  // sets of spheres let no light through
     bool operator==(const ShotLevel&) const = default;
 };
 

@@ -172,6 +172,8 @@ void lay_out_status(const Layout& layout, const WindowParts& parts) {
         right = fmt::format("mean FLIP against the {}: {:.4f}", session.picture()->flip_of_plate ? "plate" : "truth",
                             session.picture()->mean_flip);
     }
+    const std::string sphere_mode = session.sphere_mode();
+    if (!sphere_mode.empty()) right = sphere_mode + (right.empty() ? "" : ", ") + right;
     if (!session.trouble().empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, trouble_color);
         ImGui::TextUnformatted(session.trouble().c_str());

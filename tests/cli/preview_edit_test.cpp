@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -163,6 +164,27 @@ TEST_F(PreviewEditTest, AnApertureDrawnByHandIsWhatRenderReads) {
     EXPECT_THAT(bytes_of(scene_), testing::ContainsRegex("image = \"table.aperture-[0-9a-f]+.png\""));
     EXPECT_FALSE(same(picture("drawn"), picture("blades")));
     EXPECT_TRUE(same(rendered(0), picture("drawn")));
+}
+
+TEST_F(PreviewEditTest, SpheresAreOpaqueFirstAndAsTheyAreAtRest) {
+    std::ofstream(shot_ / "balls.xyz") << "3\n\nO 0 -1 0.4\nC 0.5 -1 0.4\nN 0.2 -0.7 0.8\n";
+    append_to_scene("\n[[object]]\nspheres = \"balls.xyz\"\nscale = 0.1\nsphere = {radius = 0.4, opacity = 0.5}\n");
+    const std::string printed =
+        hand("wait_idle\nmeasure first\nkey 1\n" + shot("first") + "frame 3\nwait_idle\nframe 0\n" + shot("back"));
+    EXPECT_THAT(printed, HasSubstr(", 2 pictures, "));
+    EXPECT_TRUE(same(rendered(0), picture("first")));
+    EXPECT_TRUE(same(picture("back"), picture("first")));
+}
+
+TEST_F(PreviewEditTest, TheResolutionOfAVirtualCameraIsChosen) {
+    scene_ = scratch_ / "virtual.toml";
+    std::ofstream(scene_)
+        << "[camera]\nwidth = 64\nheight = 32\nkeys = [{frame = 0, eye = [0, -3, 1], target = [0, 0, 0]}]\n"
+           "[background]\ncolor = [0.1, 0.2, 0.3]\n[[object]]\nshape = \"torus\"\n";
+    hand("wait_idle\nshow lens\nset camera.resolution 512×512\nwait_idle\nkey 1\n" + shot("square") +
+         "key ctrl+s\nwait_idle");
+    EXPECT_THAT(bytes_of(scene_), HasSubstr("width = 512\nheight = 512\n"));
+    EXPECT_TRUE(same(rendered(0), part_of(read_rgb8(scratch_ / "square.png"), {194, 49, 512, 512})));
 }
 
 TEST_F(PreviewEditTest, AShiftedClickFocusesOnWhatIsThere) {
