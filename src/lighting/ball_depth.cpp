@@ -16,6 +16,9 @@ constexpr double on_surface_steps = 2, off_surface_steps = 4;
 /// Past this a view does not show what lies behind its surface.
 constexpr double hidden_steps = 1.5;
 
+/// Stops: by less, noise and stretched pixels differ too.
+constexpr float sure_ev = 0.1F;
+
 }  // namespace
 
 BallDepth::BallDepth(const BallScene& scene, const Eigen::Vector3d& place_m, const BallUnwrap& unwrap, int height)
@@ -40,6 +43,16 @@ SeenPlace BallDepth::seen(std::size_t v, const Eigen::Vector3d& place_m) const {
     return seen_place(scene_.ball, eyes_[v], place_m, 5, normal);
 }
 
+/// Where light is the same far and wide, a view's own distance is a guess: it is sure only if the nearer place does not
+/// fit.
+bool BallDepth::farther_is_sure(const BallDepthMap& map, int x, int y, double nearness) const {
+    const float* costs = map.costs.at(x, y);
+    const auto step = [&](double value) {
+        return std::clamp(static_cast<int>(std::lround(value / scale_.step)), 0, scale_.steps);
+    };
+    return costs[step(nearness)] > costs[step(map.nearness.at(x, y))] + sure_ev;
+}
+
 /// The nearest surface that a view has there and that no view sees through; else the plane, or what is far.
 double BallDepth::nearest(const Eigen::Vector3d& towards) const {
     const double plane = plane_nearness(scene_, place_m_, towards);
@@ -56,7 +69,8 @@ double BallDepth::nearest(const Eigen::Vector3d& towards) const {
             const int x = at.nearest_x(), y = at.nearest_y();
             if (map.known.at(x, y) <= 0) continue;
             const double has = map.nearness.at(x, y);
-            through = has < there.nearness - off_surface_steps * scale_.step;
+            through =
+                has < there.nearness - off_surface_steps * scale_.step && farther_is_sure(map, x, y, there.nearness);
             if (std::abs(has - there.nearness) > on_surface_steps * scale_.step) continue;
             const Eigen::Vector3d surface_m = there.point_m + there.towards / std::max(has, scale_.farthest);
             sum += 1 / (surface_m - place_m_).norm();

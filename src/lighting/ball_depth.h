@@ -29,6 +29,7 @@ public:
 private:
     Eigen::Vector3d place_of(const Eigen::Vector3d& towards, double nearness) const;
     SeenPlace seen(std::size_t v, const Eigen::Vector3d& place_m) const;
+    bool farther_is_sure(const BallDepthMap& map, int x, int y, double nearness) const;
     double nearest(const Eigen::Vector3d& towards) const;
 
     const BallScene& scene_;

@@ -10,7 +10,6 @@
 
 #include "core/parallel.h"
 #include "lighting/probe.h"
-#include "lighting/semi_global.h"
 
 namespace matchlight {
 namespace {
@@ -19,7 +18,7 @@ namespace {
 constexpr double most_ev = 1;
 constexpr double most_stretched = 3;
 /// Cost where no other view shows a place: neither a match nor a contradiction.
-constexpr float unknown_cost = 0.3F;
+constexpr float unknown_cost = 0.6F;
 /// What the nearest costs more than the farthest: where parallax tells nothing, things are far.
 constexpr float nearness_cost = 0.05F;
 constexpr LabelPenalties penalties = {0.1F, 1.0F, 0.5F};
@@ -31,7 +30,7 @@ Eigen::Vector3d vector_at(const ImageF& image, int x, int y) {
 BallDepthMap unwrapped(const BallScene& scene, const BallUnwrap& unwrap, std::size_t v, int height) {
     const int width = 2 * height;
     BallDepthMap map{ImageF(width, height, 3), ImageF(width, height, 3), ImageF(width, height, 1),
-                     ImageF(width, height, 1)};
+                     ImageF(width, height, 1), LabelCosts(0, 0, 0)};
     const Eigen::Vector3d eye_m = scene.views[v].eye_m();
     parallel_for(height, [&](int y) {
         for (int x = 0; x < width; ++x) {
@@ -222,7 +221,8 @@ std::vector<BallDepthMap> ball_depth_maps(const BallScene& scene, const BallUnwr
         for (int y = 0; y < height; ++y) {
             for (int x = 0; x < width; ++x) guide.at(x, y) = map.light.at(x, y, 1);
         }
-        const LabelCosts sums = semi_global_sums(smoothed(costs), guide, penalties);
+        map.costs = smoothed(costs);
+        const LabelCosts sums = semi_global_sums(map.costs, guide, penalties);
         for (int y = 0; y < height; ++y) {
             for (int x = 0; x < width; ++x) {
                 const double nearness = best_label(sums.at(x, y), labels) * scale.step;

@@ -11,15 +11,17 @@
 #include "lighting/ball_probe.h"
 #include "lighting/ball_unwrap.h"
 #include "lighting/mirror_ball.h"
+#include "lighting/semi_global.h"
 
 namespace matchlight {
 
 /// A view's reflections by their own directions: lat-long, world axes.
 struct BallDepthMap {
-    ImageF point_m;   // RGB as x y z: where on the ball the direction is reflected
-    ImageF light;     // RGB: log2 of radiance
-    ImageF known;     // 1 channel: 1 where the view shows the direction well
-    ImageF nearness;  // 1 channel, 1/m: one over the distance from point_m; 0 far away
+    ImageF point_m;             // RGB as x y z: where on the ball the direction is reflected
+    ImageF light;               // RGB: log2 of radiance
+    ImageF known;               // 1 channel: 1 where the view shows the direction well
+    ImageF nearness;            // 1 channel, 1/m: one over the distance from point_m; 0 far away
+    LabelCosts costs{0, 0, 0};  // stops that the other views' light differs by, at every step of nearness
 };
 
 /// Which nearness is told from which.
