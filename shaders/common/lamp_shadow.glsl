@@ -1,5 +1,6 @@
 // How much of an analytic light the objects let through. Include common/lamps.glsl and common/visibility.glsl before; with
 // RAYS common/rays.glsl, too.
+#include "common/directions.glsl"
 
 // A face looks from the lamp at what casts; a lamp among the casters has six. Reversed z.
 uniform sampler2DArray lamp_depth;
@@ -8,13 +9,6 @@ uniform bool surface_hides_lamps;     // that are below it
 #ifdef RAYS
 uniform int lamp_rays;                // towards a lamp that is no point; 0: meshes are in the maps, too
 #endif
-
-// Points of the unit disc, evenly (Vogel 1979, "A Better Way to Construct the Sunflower Head").
-vec2 disc_point(int i, int count, float turn) {
-    const float golden_angle = 2.39996323;
-    float angle = golden_angle * float(i) + turn;
-    return sqrt((float(i) + 0.5) / float(count)) * vec2(cos(angle), sin(angle));
-}
 
 // Another turn in each fragment, so that what few points leave open is noise and no pattern (Jimenez 2014, "Next Generation
 // Post Processing in Call of Duty: Advanced Warfare").

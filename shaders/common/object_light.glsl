@@ -6,13 +6,18 @@ uniform samplerBuffer ray_radiosity;   // of a vertex: what it sends diffusely, 
 uniform samplerBuffer ray_emission;
 uniform int ray_bounces;   // mirrors within mirrors that are followed
 
+// What a ray meets first.
+const int meets_nothing = 0;   // but perhaps the real surface
+const int meets_object = 1;
+const int meets_real = 2;
+
 // Along a ray from `from`, whose lobe has `roughness`; without `beyond_objects` only what an object sends or mirrors.
-vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects, out bool meets_object) {
+vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects, out int first_met) {
     const float farthest = 3.4e38;
     const float least_share = 0.005;   // what is left of a ray that many mirrors took from
     vec3 light = vec3(0.0);
     vec3 share = vec3(1.0);
-    meets_object = false;
+    first_met = meets_nothing;
     for (int bounce = 0; bounce <= ray_bounces; ++bounce) {
         RayHit hit = RayHit(farthest, -1, 0, vec2(0.0));
         if (any(greaterThan(share, vec3(least_share)))) {
@@ -25,13 +30,19 @@ vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects
             break;
         }
         if (is_real(hit)) {
+            if (bounce == 0) first_met = meets_real;
             // As the probe saw it: from its own place, where that is known.
-            vec3 seen = from + hit.distance_m * direction - probe_place_m;
-            if (bounce > 0 || beyond_objects)
-                light += share * reflected_radiance(surface_is_near != 0 ? normalize(seen) : direction, roughness);
+            if (bounce > 0 || beyond_objects) {
+                vec3 seen = from + hit.distance_m * direction - probe_place_m;
+                float from_probe_m = length(seen);
+                light += share * (surface_is_near != 0
+                                      ? reflected_radiance(seen / max(from_probe_m, 1e-9),
+                                                           roughness_from_probe(roughness, hit.distance_m, from_probe_m))
+                                      : reflected_radiance(direction, roughness));
+            }
             break;
         }
-        meets_object = true;
+        if (bounce == 0) first_met = meets_object;
         RaySurface surface = surface_at(hit, direction);
         // Light is kept for the side of the normals; what arrives behind a sheet is not known, and taken as none.
         for (int i = 0; i < 3; ++i) {
@@ -49,6 +60,6 @@ vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects
 }
 
 vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects) {
-    bool meets_object;
-    return light_along(from, direction, roughness, beyond_objects, meets_object);
+    int first_met;
+    return light_along(from, direction, roughness, beyond_objects, first_met);
 }

@@ -68,10 +68,8 @@ bool is_blurred_by(float lobe) {
 
 // The turn of the reflection through one of `count` points spread evenly over the disc that is left: a sunflower's.
 vec3 turn_through_lens(int i, int count) {
-    const float golden_angle = 2.39996323;
-    float radius = 0.5 * reflection_left_px * sqrt((float(i) + 0.5) / float(count));
-    float angle = golden_angle * float(i);
-    return radius * (cos(angle) * reflection_dx + sin(angle) * reflection_dy);
+    vec2 at = 0.5 * reflection_left_px * disc_point(i, count, 0.0);
+    return at.x * reflection_dx + at.y * reflection_dy;
 }
 
 // The circle of all that is seen, of which the reflection is a share. What a lobe of the deviation `lobe` has blurred

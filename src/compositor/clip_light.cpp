@@ -381,6 +381,7 @@ void ClipLight::bake_object_shadow() {
     if (shading_.pairs_maps) defines["PAIRED_MAPS"] = "1";
     Program& bake = shaders_.compute("effects/object_shadow/bake.comp", defines);
     bake.use();
+    environment_->bind(bake);
     bind_shading(bake);
     surfaces_.bake_visibility(bake);
     has_visibility_ = true;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -31,9 +32,10 @@ protected:
         const Environment environment(shaders_, probe);
         const BouncingObjects lit{.surfaces = surfaces, .rays = rays, .bind_light = [&](Program& program) {
                                       environment.bind(program);
-                                      program.set("surface_z_m", -1e6);
+                                      program.set("surface_z_m", probe_place_m_ ? 0.0 : -1e6);
                                       program.set("surface_shadow_present", 0);
-                                      program.set("surface_is_near", 0);
+                                      program.set("surface_is_near", probe_place_m_ ? 1 : 0);
+                                      program.set("probe_place_m", probe_place_m_.value_or(Eigen::Vector3f::Zero()));
                                       program.set("surface_picture_texel_m", 0.0);
                                   }};
         bounce_between_objects(shaders_, lit, settings);
@@ -46,6 +48,7 @@ protected:
     }
 
     ShaderLibrary shaders_;
+    std::optional<Eigen::Vector3f> probe_place_m_;  // over a surface at z = 0; else that is far away
 };
 
 SurfaceObject object_of(const Model& model, double albedo, double glow) {
@@ -105,6 +108,33 @@ TEST_F(BounceLightTest, alone_and_convex_nothing_bounces) {
         most = std::max<double>(most, light[0]);
     }
     EXPECT_LT(most, 0.02);
+}
+
+/// The share of what a plate at height h sees, looking down, that lies on this side of an edge at the distance d: half
+/// a plane's form factor (Howell 2010, "A Catalog of Radiation Heat Transfer Configuration Factors", B-1, its far side
+/// at infinity).
+double half_plane_below(double d, double h) {
+    return 0.5 * (1 + d / std::hypot(d, h));
+}
+
+TEST_F(BounceLightTest, the_near_surface_lights_from_where_it_lies) {
+    // A floor that is red on one side of x = 0 and green on the other, as a probe above that edge shows it.
+    probe_place_m_ = {0, 0, 0.1F};
+    const Probe halves = test::make_probe(256, [](const Eigen::Vector3d& direction) -> Eigen::Vector3d {
+        if (direction.z() >= 0) return Eigen::Vector3d::Zero();
+        return direction.x() < 0 ? Eigen::Vector3d(1, 0, 0) : Eigen::Vector3d(0, 1, 0);
+    });
+    const Model dot = test::make_square(1e-4);
+    for (const double x : {-0.5, -0.1, 0.0, 0.05, 0.3}) {
+        SurfaceObject plate = object_of(dot, 0.5, 0);
+        plate.world_from_model.diagonal() << 1, -1, -1, 1;  // looks down
+        plate.world_from_model.col(3) << x, 0, 0.08, 1;
+        const Eigen::Vector4f more = bounced({plate}, halves, {.rays = 1024, .bounces = 1}).front();
+        // From far away half of all is red. Rays of a 32nd of the hemisphere's width blur the edge.
+        EXPECT_NEAR(more[0], half_plane_below(-x, 0.08) - 0.5, 0.02) << x;
+        EXPECT_NEAR(more[1], half_plane_below(x, 0.08) - 0.5, 0.02) << x;
+        EXPECT_NEAR(more[2], 0, 1e-5) << x;
+    }
 }
 
 }  // namespace

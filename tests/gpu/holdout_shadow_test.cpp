@@ -52,11 +52,11 @@ protected:
         return probe;
     }
 
-    FrameLayers layers() {
+    FrameLayers layers(int directions = 256) {
         Warnings warnings;
         warnings.set_quiet(true);
         Quality quality = without_rays(quality_of(QualityLevel::final_));
-        quality.object_shadow = {.directions = 256, .resolution = 512};
+        quality.object_shadow = {.directions = directions, .resolution = 512};
         Compositor compositor(context(), shot_.scene, shot_.solve, {.settings = quality, .layers = true}, warnings);
         CompositedFrame frame = compositor.composite(grey_plate(320, 180, plate_luma_));
         EXPECT_TRUE(frame.layers);
@@ -143,6 +143,32 @@ TEST_F(HoldoutShadow, LightThatARealThingShadesIsNotTakenAway) {
     roof.holdout = true;
     shot_.scene.objects.push_back(roof);
     EXPECT_GT(least(), 0.98);
+    std::filesystem::remove(probe);
+}
+
+TEST_F(HoldoutShadow, ARealThingInEvenLightSendsWhatItTakes) {
+    // Where all is equally bright a real thing is so too, and changes nothing beside it.
+    const std::filesystem::path probe = save_probe([](const Eigen::Vector3d&) { return 0.5F; });
+    const ObjectSettings ball = shot_.scene.objects[1];
+    ObjectSettings box = shape("box", ball_m_ + Eigen::Vector3d(-0.06, 0, 0), Eigen::Vector3d(0.06, 0.2, 0.2));
+    box.holdout = true;
+    shot_.scene.objects = {ball};
+    const FrameLayers alone = layers(32);
+    shot_.scene.objects = {ball, box};
+    const FrameLayers beside = layers(32);
+    int seen = 0;
+    double most = 0;
+    for (int y = 0; y < alone.region.height; ++y) {
+        for (int x = 0; x < alone.region.width; ++x) {
+            const int there_x = x + alone.region.x - beside.region.x, there_y = y + alone.region.y - beside.region.y;
+            if (alone.alpha.at(x, y) < 1 || beside.alpha.at(there_x, there_y) < 1) continue;
+            ++seen;
+            const double was = static_cast<double>(alone.beauty.at(x, y, 1));
+            most = std::max(most, std::abs(static_cast<double>(beside.beauty.at(there_x, there_y, 1)) / was - 1));
+        }
+    }
+    EXPECT_GT(seen, 150);
+    EXPECT_LT(most, 0.005);
     std::filesystem::remove(probe);
 }
 

@@ -9,8 +9,10 @@ uniform int gather_rays;   // altogether
 uniform int first_ray;     // of those that this run casts
 uniform int last_ray;
 
-// What those rays of a run bring of the irradiance over π, which is the mean over directions spread as the cosine.
-vec3 gathered(vec3 world_position, vec3 n) {
+// What those rays of a run bring of the irradiance over π, which is the mean over directions spread as the cosine. To an
+// object comes besides what the near surface, or a real thing before it, sends more or less than direct.comp has taken for
+// it: the probe's light as if it came from far away, past the shadow on the surface.
+vec3 gathered(vec3 world_position, vec3 n, bool to_object) {
     // Rays stand for all between them: after a mirror about as curved as it is far away they are spread twice as wide.
     float roughness = sqrt(min(2.0 * inversesqrt(float(gather_rays)), 1.0));
     mat3 world_from_surface = frame_about(n);
@@ -18,10 +20,15 @@ vec3 gathered(vec3 world_position, vec3 n) {
     vec3 sum = vec3(0.0);
     for (int i = first_ray; i <= last_ray; ++i) {
         // Everywhere the same directions: neighbours err alike, and what changes slowly stays smooth.
-        vec2 u = spread_point(uint(i), uvec2(1u << 30u));
-        float r = sqrt(u.x);
-        vec3 direction = vec3(r * cos(2.0 * pi * u.y), r * sin(2.0 * pi * u.y), sqrt(max(1.0 - u.x, 1e-6)));
-        sum += light_along(from, world_from_surface * direction, roughness, false);
+        vec3 along = world_from_surface * cosine_direction(i, gather_rays);
+        int first_met;
+        vec3 radiance = light_along(from, along, roughness, to_object, first_met);
+        if (to_object && first_met != meets_object) {
+            vec3 met;
+            if (!meets_surface(from, along, met)) continue;   // far, or what object_shadow() has of real things
+            radiance -= reflected_radiance(along, roughness) * light_left_along(from, along);
+        }
+        sum += radiance;
     }
     return sum / float(gather_rays);
 }

@@ -15,6 +15,6 @@ void main() {
     if (any(greaterThanEqual(texel, size))) return;
     vec2 at = rectangle_m.xy + (vec2(texel) + 0.5) / vec2(size) * rectangle_m.zw;
     vec3 before = first_ray > 0 ? imageLoad(share, texel).rgb : vec3(0.0);
-    vec3 arrives = pi * gathered(vec3(at, surface_z_m), vec3(0.0, 0.0, 1.0));
+    vec3 arrives = pi * gathered(vec3(at, surface_z_m), vec3(0.0, 0.0, 1.0), false);
     imageStore(share, texel, vec4(before + arrives / max(surface_irradiance, vec3(1e-20)), 0.0));
 }

@@ -21,5 +21,5 @@ void main() {
     vec3 position = (world_from_model * vec4(vertices[at], vertices[at + 1], vertices[at + 2], 1.0)).xyz;
     vec3 normal = normalize(normal_from_model * vec3(vertices[at + 3], vertices[at + 4], vertices[at + 5]));
     vec3 before = first_ray > 0 ? bounced[first_vertex + i].rgb : vec3(0.0);
-    bounced[first_vertex + i] = vec4(before + gathered(position, normal), 1.0);
+    bounced[first_vertex + i] = vec4(before + gathered(position, normal, true), 1.0);
 }

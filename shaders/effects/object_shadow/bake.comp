@@ -2,6 +2,7 @@
 // The object shadow at every vertex of a mesh: static objects under static light need it once.
 layout(local_size_x = 64) in;
 
+#include "common/environment.glsl"
 #include "effects/object_shadow/object_shadow.glsl"
 
 // Interleaved floats of a vertex: position at 0, normal at 3 (scene/model.h, ModelVertex).

@@ -1,8 +1,11 @@
-// The share of the light over a point's hemisphere that the objects themselves let through.
+// The share of the light over a point's hemisphere that the objects themselves let through. Include
+// common/environment.glsl before.
 #include "common/visibility.glsl"
 
 struct DirectionOfLight {
-    vec4 to_light, light, axis_u, axis_v;   // xyz of each; light = radiance times solid angle
+    vec4 to_light;   // w: the solid angle that it stands for
+    vec4 light;      // radiance times that
+    vec4 axis_u, axis_v;
 };
 #ifdef PAIRED_MAPS
 // One of odd number is the opposite of the one before it, and both share a map.
@@ -22,16 +25,16 @@ uniform sampler2DArray real_shadow_depth;     // of real things
 uniform vec3 real_shadow_centre_m;
 uniform float real_shadow_radius_m;
 
-// Whether a caster stands between a point and a direction of light that it sees at an angle of this cosine.
-bool is_shaded(sampler2DArray depth, vec3 centre_m, float radius_m, vec3 world_position, vec3 world_normal, int i,
-               float cosine) {
-    if (radius_m <= 0.0) return false;
+// How far along a direction of light, which a point sees at an angle of this cosine, the last caster stands; 0: none does.
+float way_to_caster_m(sampler2DArray depth, vec3 centre_m, float radius_m, vec3 world_position, vec3 world_normal, int i,
+                      float cosine) {
+    if (radius_m <= 0.0) return 0.0;
     ivec2 size = textureSize(depth, 0).xy;
     // In texels of the maps: off the surface along its normal, and towards the light where that grazes it.
     float texel_m = 2.0 * radius_m / float(size.x);
     vec3 lifted = (world_position + world_normal * (1.5 * texel_m) - centre_m) / radius_m;
     vec2 at = vec2(dot(lifted, object_shadow_lights[i].axis_u.xyz), dot(lifted, object_shadow_lights[i].axis_v.xyz)) * 0.5 + 0.5;
-    if (at != clamp(at, 0.0, 1.0)) return false;  // past all of them
+    if (at != clamp(at, 0.0, 1.0)) return 0.0;  // past all of them
     float height = dot(lifted, object_shadow_lights[i].to_light.xyz) * 0.5 + 0.5;
     float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 0.1);
     float bias = (0.5 + slope) / float(size.x);
@@ -42,15 +45,25 @@ bool is_shaded(sampler2DArray depth, vec3 centre_m, float radius_m, vec3 world_p
     float highest = texelFetch(depth, ivec3(texel, i), 0).r;
 #endif
     // 0 is no caster, and a point beyond all of them may lie lower.
-    return highest > max(height + bias, 0.0);
+    return highest > max(height + bias, 0.0) ? (highest - height) * 2.0 * radius_m : 0.0;
 }
 
 bool is_shaded_by_objects(vec3 world_position, vec3 world_normal, int i, float cosine) {
-    return is_shaded(object_shadow_depth, object_shadow_centre_m, object_shadow_radius_m, world_position, world_normal, i, cosine);
+    return way_to_caster_m(object_shadow_depth, object_shadow_centre_m, object_shadow_radius_m, world_position, world_normal, i,
+                           cosine) > 0.0;
 }
 
-bool is_shaded_by_real_things(vec3 world_position, vec3 world_normal, int i, float cosine) {
-    return is_shaded(real_shadow_depth, real_shadow_centre_m, real_shadow_radius_m, world_position, world_normal, i, cosine);
+float way_to_real_thing_m(vec3 world_position, vec3 world_normal, int i, float cosine) {
+    return way_to_caster_m(real_shadow_depth, real_shadow_centre_m, real_shadow_radius_m, world_position, world_normal, i, cosine);
+}
+
+// What a real thing sends in the place of the light that it keeps away: what the probe saw of it from its own place. Sharp,
+// or a lamp beside it would shine through.
+vec3 radiance_of_real_thing(vec3 world_position, vec3 direction, float way_m) {
+    const float sharp_roughness = 0.1;
+    vec3 from_probe = world_position + way_m * direction - probe_place_m;
+    bool is_seen = surface_is_near != 0 && dot(from_probe, from_probe) > 0.0;
+    return reflected_radiance(is_seen ? normalize(from_probe) : direction, sharp_roughness);
 }
 
 // The direction of a map that a surface sees, and its cosine; 0 or less: it sees none.
@@ -77,8 +90,8 @@ bool is_in_shadow(vec3 world_position, vec3 world_normal) {
     return false;
 }
 
-// With the casters over without. Of light that real things shade a virtual surface has none, and a real one, which the
-// footage shows without it, none to lose.
+// With the casters over without. Where real things stand before the light a virtual surface has theirs, and a real one,
+// which the footage shows so, none to lose.
 vec3 object_shadow(vec3 world_position, vec3 world_normal, bool is_real) {
     if (is_real && !is_in_shadow(world_position, world_normal)) return vec3(1.0);
     vec3 open = vec3(0.0);
@@ -88,12 +101,19 @@ vec3 object_shadow(vec3 world_position, vec3 world_normal, bool is_real) {
         int i = seen_direction(first, world_normal, cosine);
         if (cosine <= 0.0) continue;
         vec3 to_light = object_shadow_lights[i].to_light.xyz;
-        bool real_shades = is_shaded_by_real_things(world_position, world_normal, i, cosine);
-        if (is_real && real_shades) continue;
-        vec3 light = object_shadow_lights[i].light.rgb * cosine;
-        all += light;
-        if (real_shades || is_shaded_by_objects(world_position, world_normal, i, cosine)) continue;
-        open += light * light_left_along(world_position, to_light);
+        // Of what hides the near surface, which parallel light stands for badly, bounced light knows better.
+        vec3 met;
+        bool from_surface = !is_real && meets_surface(world_position, to_light, met);
+        float to_real_m = from_surface ? 0.0 : way_to_real_thing_m(world_position, world_normal, i, cosine);
+        if (is_real && to_real_m > 0.0) continue;
+        vec3 light = object_shadow_lights[i].light.rgb;
+        all += light * cosine;
+        if (is_shaded_by_objects(world_position, world_normal, i, cosine)) continue;
+        if (to_real_m > 0.0)
+            light = object_shadow_lights[i].to_light.w * radiance_of_real_thing(world_position, to_light, to_real_m);
+        else
+            light *= light_left_along(world_position, to_light);
+        open += light * cosine;
     }
     return vec3(all.r > 0.0 ? open.r / all.r : 1.0, all.g > 0.0 ? open.g / all.g : 1.0, all.b > 0.0 ? open.b / all.b : 1.0);
 }

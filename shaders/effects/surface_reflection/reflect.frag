@@ -103,9 +103,9 @@ void main() {
         float eye_lambda = smith_lambda(eye.z, alpha);
         float weight = (1.0 + eye_lambda) / (1.0 + eye_lambda + smith_lambda(along.z, alpha));
         objects.a += weight;
-        bool meets_object;
-        vec3 light = light_along(point_off(at, up), direction_off(along, up), ray_roughness, false, meets_object);
-        if (!meets_object) continue;
+        int first_met;
+        vec3 light = light_along(point_off(at, up), direction_off(along, up), ray_roughness, false, first_met);
+        if (first_met != meets_object) continue;
         objects.rgb += weight * light;
         covered.rgb += weight * reflected_radiance(along, ray_roughness);
     }

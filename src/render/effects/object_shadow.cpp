@@ -25,8 +25,8 @@ constexpr GLuint uniform_block = 0, storage_block = 4;
 /// As many as the smallest uniform block that OpenGL 4.5 promises (16 KiB) holds.
 constexpr int most_directions = 16384 / sizeof(DirectionOfLight);
 
-std::array<float, 4> four(const Eigen::Vector3d& v) {
-    return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
+std::array<float, 4> four(const Eigen::Vector3d& v, double w = 0) {
+    return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), static_cast<float>(w)};
 }
 
 }  // namespace
@@ -71,8 +71,8 @@ ObjectShadow::ObjectShadow(ShaderLibrary& shaders, const ShadowCasters& casters,
         assert(!shares || of_map == samples[static_cast<std::size_t>(i - 1)].direction);
         const Eigen::Vector3d axis_u = of_map.unitOrthogonal();
         if (!shares) draw_map(shaders, casters, of_map, i / directions_a_map);
-        lights.push_back({four(sample.direction), four(sample.radiance_times_solid_angle), four(axis_u),
-                          four(of_map.cross(axis_u))});
+        lights.push_back({four(sample.direction, sample.solid_angle_sr), four(sample.radiance_times_solid_angle),
+                          four(axis_u), four(of_map.cross(axis_u))});
     }
     one_ = {};
     lights_ = Buffer(std::span<const DirectionOfLight>(lights));
