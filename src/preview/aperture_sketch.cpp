@@ -49,9 +49,11 @@ Image8 picture_of_polygon(std::span<const Eigen::Vector2d> corners, int side) {
     for (int y = 0; y < side; ++y) {
         for (int x = 0; x < side; ++x) {
             int inside = 0;
-            for (int i = 0; i < samples * samples; ++i) {
-                const Eigen::Vector2d at(x + (i % samples + 0.5) / samples, y + (i / samples + 0.5) / samples);
-                inside += is_inside(corners, at / side) ? 1 : 0;
+            for (int row = 0; row < samples; ++row) {
+                for (int column = 0; column < samples; ++column) {
+                    const Eigen::Vector2d at(x + (column + 0.5) / samples, y + (row + 0.5) / samples);
+                    inside += is_inside(corners, at / side) ? 1 : 0;
+                }
             }
             const auto code = static_cast<std::uint8_t>(std::lround(255.0 * inside / (samples * samples)));
             std::fill_n(picture.pixel(x, y), 3, code);
