@@ -166,6 +166,23 @@ TEST(BallShadow, AWhiteFurnaceHasNone) {
     }
 }
 
+TEST(BallShadow, LightsThePlaneWithWhatThePlaneSendsUpToTheBall) {
+    const RigPlane plane{{0, 0, 0}, Eigen::Vector3d::UnitZ()};
+    const BallShadow shadow(test::furnace(64, 3), plane, {{0, 0, 0.035}, 0.035}, Eigen::Vector3d::Ones());
+    for (const double x : {0.005, 0.02, 0.06}) {
+        const auto seen = [&](double ground) {
+            return 1 /
+                   shadow
+                       .unshadowed_over_seen(
+                           {x, 0, 0}, [&](const Eigen::Vector3d&) { return Eigen::Vector3d::Constant(ground).eval(); })
+                       .y();
+        };
+        EXPECT_NEAR(seen(3), 1, 1e-3) << x;  // the furnace again
+        EXPECT_LT(seen(0), 0.97) << x;
+        EXPECT_NEAR(seen(1.5), (seen(0) + seen(3)) / 2, 1e-9) << x;  // light adds up
+    }
+}
+
 TEST(BallShadow, OfALampOverheadIsAsDarkAsTheLampIsBright) {
     const RigPlane plane{{0, 0, 0}, Eigen::Vector3d::UnitZ()};
     // A lamp of 12° radius straight above, sending nine tenths of the irradiance.
