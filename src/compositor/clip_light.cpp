@@ -75,7 +75,7 @@ ClipLight::ClipLight(ShaderLibrary& shaders, const Lit& lit, const Scene& scene,
         probe_name_ = scene.probe->path.string();
     }
     make_environment(warnings);
-    make_lamps(scene);
+    make_lamps(scene, warnings);
     describe_surface();
 }
 
@@ -93,13 +93,19 @@ void ClipLight::make_environment(Warnings& warnings) {
     }
 }
 
-void ClipLight::make_lamps(const Scene& scene) {
+void ClipLight::make_lamps(const Scene& scene, Warnings& warnings) {
     scene_lamps_ = scene.lamps;
     const bool any_classic = std::ranges::any_of(scene.objects, [](const ObjectSettings& object) {
         return object.material.shading.model != ShadingModel::physical;
     });
     if (any_classic && scene_lamps_.empty() && objects_.lamps().empty()) scene_lamps_ = lamps_of_probe(probe_);
     shading_.has_lamps = any_classic || !scene_lamps_.empty() || objects_.any_lamps();
+    const std::size_t count = scene_lamps_.size() + objects_.lamps().size();
+    if (count > most_lamps) {
+        warnings.add(
+            fmt::format("{}: {} lights with those of the models, of which the last {} are left out: {} is the most",
+                        scene.path.string(), count, count - most_lamps, most_lamps));
+    }
     lamps_.reset();
     if (shading_.has_lamps) place_lamps();
 }
@@ -127,7 +133,7 @@ void ClipLight::set_scene(RenderGraph& graph, const Scene& scene, const SceneCha
         graph.forget_kept(cube_pass);
         graph.forget_kept(sphere_map_pass);
     }
-    if (change.light) make_lamps(scene);
+    if (change.light) make_lamps(scene, warnings);
     if (change.surface) surface_ = scene.surface;
     if (change.light || change.surface) surface_lights_.clear();
     if (!change.shadows()) return;

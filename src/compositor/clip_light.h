@@ -69,7 +69,7 @@ public:
 
 private:
     void make_environment(Warnings& warnings);
-    void make_lamps(const Scene& scene);
+    void make_lamps(const Scene& scene, Warnings& warnings);
     /// Those of models stand where they stand now.
     void place_lamps();
     void add_lamps(RenderGraph& graph, std::vector<PassInput>& inputs);

@@ -1,9 +1,12 @@
 // Analytic lights, classic shading and depth cueing in whole frames: what the plate gets of them, and what is left out.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "compositor/probe_lamps.h"
 #include "compositor_shot.h"
@@ -52,6 +55,72 @@ protected:
 
     Warnings warnings_;
 };
+
+/// A glTF file that is a tiny triangle and point lights of 1 candela, 0.3 m above its origin.
+std::filesystem::path save_model_with_lamps(int count) {
+    std::string nodes = R"({"mesh": 0})", indices = "0";
+    for (int i = 1; i <= count; ++i) {
+        nodes += R"(, {"translation": [0, 0.3, 0], "extensions": {"KHR_lights_punctual": {"light": 0}}})";
+        indices += fmt::format(", {}", i);
+    }
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() / fmt::format("matchlight_lamps_{}_{}.gltf", count, getpid());
+    std::ofstream(path) << R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}},
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAbxKDOgAAAAAAAAAAAAAAAG8SgzoAAAAA"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                       "min": [0, 0, 0], "max": [0.001, 0.001, 0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "nodes": [)" << nodes
+                        << R"(], "scenes": [{"nodes": [)" << indices << "]}]}";
+    return path;
+}
+
+TEST_F(LampScene, LightsOfAModelLightTheTableAsThoseOfTheSceneDo) {
+    Shot shot = lit(false, false);
+    shot.scene.lamps[0].color = {1, 1, 1};
+    shot.scene.lamps[0].intensity = 0.3;
+    shot.scene.lamps[0].position_m = {0, 0, 0.3};
+    const CompositedFrame by_scene = with_layers(shot);
+    shot.scene.lamps.clear();
+    ObjectSettings holder;
+    holder.model = save_model_with_lamps(1);
+    holder.name = "holder";
+    holder.casts_shadow = false;
+    holder.lights = 0.3;
+    shot.scene.objects = {holder};
+    const CompositedFrame by_model = with_layers(shot);
+    std::filesystem::remove(holder.model);
+    const Region both = by_scene.layers->region.intersected(by_model.layers->region);
+    ASSERT_GT(both.width * both.height, 1000);
+    double most = 1;
+    for (int y = both.y; y < both.y + both.height; y += 7) {
+        for (int x = both.x; x < both.x + both.width; x += 7) {
+            const Region& a = by_scene.layers->region;
+            const Region& b = by_model.layers->region;
+            const float one = by_scene.layers->shadow.at(x - a.x, y - a.y, 1);
+            most = std::max<double>(most, one);
+            EXPECT_NEAR(by_model.layers->shadow.at(x - b.x, y - b.y, 1), one, 1e-4) << x << " " << y;
+        }
+    }
+    EXPECT_GT(most, 1.05) << "the lamp is seen";
+}
+
+TEST_F(LampScene, MoreLampsThanThereIsRoomForAreToldOf) {
+    Shot shot = make_shot();
+    ObjectSettings holder;
+    holder.model = save_model_with_lamps(40);
+    holder.name = "holder";
+    shot.scene.objects = {holder};
+    with_layers(shot);
+    std::filesystem::remove(holder.model);
+    const std::vector<Warnings::Entry> said = warnings_.entries();
+    EXPECT_TRUE(std::ranges::any_of(said, [](const Warnings::Entry& entry) {
+        return entry.text.find("40 lights with those of the models, of which the last 8 are left out") !=
+               std::string::npos;
+    }));
+}
 
 TEST_F(LampScene, AVirtualLampLightsTheTableByItsShareOfTheLight) {
     const Shot shot = lit(false, false);
