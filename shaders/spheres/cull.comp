@@ -12,7 +12,8 @@ layout(std430, binding = 1) readonly buffer Boxes { vec4 boxes[]; };  // low, hi
 uniform int first_draw, draw_count;
 uniform mat4 clip_from_model, clip_from_model_low;  // floats, and (LONG_LENS) what they left of it
 uniform vec2 picture_px;
-uniform sampler2D pyramid;         // the first level holds the farthest depth of 2 × 2 pixels; PEELED: the nearest
+uniform sampler2D pyramid;         // the first level holds the farthest depth of side × side pixels; PEELED: the nearest
+uniform int side;
 uniform int levels;
 uniform ivec2 level_0_size;
 
@@ -56,10 +57,10 @@ void main() {
         nearest = max(nearest, clip.z / clip.w);
         farthest = min(farthest, clip.z / clip.w);
     }
-    // In texels of the first level, two pixels wide; one more for rounding.
-    vec2 top_left = 0.25 * (vec2(low.x, -high.y) + 1.0) * picture_px, bottom_right = 0.25 * (vec2(high.x, -low.y) + 1.0) * picture_px;
-    ivec2 first = clamp(ivec2(floor(top_left)) - 1, ivec2(0), level_0_size - 1);
-    ivec2 last = clamp(ivec2(floor(bottom_right)) + 1, ivec2(0), level_0_size - 1);
+    // In texels of the first level; a pixel more for rounding.
+    vec2 top_left = 0.5 * (vec2(low.x, -high.y) + 1.0) * picture_px, bottom_right = 0.5 * (vec2(high.x, -low.y) + 1.0) * picture_px;
+    ivec2 first = clamp(ivec2(floor((top_left - 1.0) / float(side))), ivec2(0), level_0_size - 1);
+    ivec2 last = clamp(ivec2(floor((bottom_right + 1.0) / float(side))), ivec2(0), level_0_size - 1);
     const float slack = 1.00001;
 #ifdef PEELED
     bool is_passed_over = farthest > slack * depth_in(first, last);

@@ -1,11 +1,12 @@
 #version 450 core
-// The farthest depth of four texels, or (NEAREST) the nearest, for the next level of a pyramid (Greene, Kass & Miller 1993,
-// "Hierarchical Z-Buffer Visibility").
+// The farthest depth of side × side texels, or (NEAREST) the nearest, for the next level of a pyramid (Greene, Kass &
+// Miller 1993, "Hierarchical Z-Buffer Visibility").
 layout(local_size_x = 8, local_size_y = 8) in;
 
 uniform sampler2D finer;
 uniform ivec2 finer_size;
 uniform int finer_level;
+uniform int side;
 layout(r32f, binding = 0) writeonly uniform image2D coarser;
 
 #ifdef NEAREST
@@ -21,8 +22,10 @@ float at(ivec2 texel) { return depth_of(texelFetch(finer, min(texel, finer_size 
 
 void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(texel, (finer_size + 1) / 2))) return;
-    ivec2 first = 2 * texel;
-    float depth = chosen(chosen(at(first), at(first + ivec2(1, 0))), chosen(at(first + ivec2(0, 1)), at(first + ivec2(1, 1))));
+    if (any(greaterThanEqual(texel, (finer_size + side - 1) / side))) return;
+    ivec2 first = side * texel;
+    float depth = at(first);
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) depth = chosen(depth, at(first + ivec2(x, y)));
     imageStore(coarser, texel, vec4(depth));
 }

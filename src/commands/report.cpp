@@ -40,7 +40,7 @@ struct ReportArguments {
     std::string scene, output, truth, study;
     std::optional<std::int64_t> frame;
     std::vector<std::string> effects;  // all when empty
-    std::vector<std::string> parts;    // of the table of stability; all when empty
+    std::vector<std::string> parts;    // of the table of stability, or of what is measured of spheres; all when empty
     std::vector<std::string> spheres;
     std::size_t orbit_frames = 0;  // 0: 180, or 6 when quick
     int repeats = 0;               // 0: seven, or three when quick
@@ -193,6 +193,12 @@ void measure_sphere_sets(const ReportArguments& arguments, CommandContext& conte
     options.frames = arguments.orbit_frames > 0 ? arguments.orbit_frames : arguments.quick ? 6 : 180;
     options.repeats = std::max(arguments.repeats, 1);
     options.quick = arguments.quick;
+    for (const std::string& part : arguments.parts) {
+        if (std::ranges::find(sphere_experiment_parts, part) != sphere_experiment_parts.end()) continue;
+        throw InputError("--parts", fmt::format("nothing that is measured of spheres is called \"{}\"", part),
+                         fmt::format("name some of: {}", fmt::join(sphere_experiment_parts, "; ")));
+    }
+    options.parts = arguments.parts;
     if (arguments.quick) options.side_px = 512;
     options.advance = [&progress] { progress.advance(); };
     measure_spheres(arguments.spheres, options, context.warnings, report);
@@ -312,7 +318,8 @@ void add_report_command(CLI::App& app, CommandContext& context) {
                       "A table of stiff and extreme cases: what came out of each, against its bound");
     command
         ->add_option("--parts", arguments->parts,
-                     "Of --stability: only these parts of the table (\"bloom, pyramid\"), separated by semicolons")
+                     "Of --stability: only these parts of the table (\"bloom, pyramid\"), separated by semicolons; of "
+                     "--spheres: visibility, light, maps, rays, edges, detail, occlusion, halos, transparency")
         ->delimiter(';');
     command->add_flag("--calibrate-machine", arguments->calibrate_machine,
                       "Measure what every level costs on this machine, once, for scenes with budget_ms: the table goes "
@@ -332,7 +339,9 @@ void add_report_command(CLI::App& app, CommandContext& context) {
             throw CLI::RequiresError("--frames", "--spheres");
         if (arguments->track && !arguments->study.empty()) throw CLI::ExcludesError("--track", "--study");
         if (reports && arguments->output.empty()) throw CLI::RequiredError("--output");
-        if (!arguments->parts.empty() && !arguments->stability) throw CLI::RequiresError("--parts", "--stability");
+        // Each has parts of its own.
+        if (!arguments->parts.empty() && arguments->stability == !arguments->spheres.empty())
+            throw CLI::RequiresError("--parts", "one of --stability and --spheres");
         if (arguments->calibrate_machine) calibrate(*arguments, context);
         if (reports) make_report(*arguments, context);
     });

@@ -9,13 +9,19 @@ namespace matchlight {
 
 namespace {
 
-/// Shares of the cells that are drawn by the end of each round. The first rounds are small, for they hide most of the
-/// rest.
-constexpr std::array<double, 5> round_ends{1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1};
+/// Shares of the cells that are drawn by the end of the first round, and how that grows from round to round: the first
+/// hide most of the rest.
+constexpr double first_round = 1.0 / 16, round_growth = 1.5;
+/// A pyramid costs as much as drawing a sphere for so many pixels of the picture.
+constexpr double pixels_per_sphere = 16;
 /// With fewer spheres the tests cost more than what they save.
 constexpr std::uint32_t fewest_to_cull = 100'000;
 /// Fewer do not stand for the others.
-constexpr std::uint32_t fewest_in_cell = 64;
+constexpr std::uint32_t fewest_in_cell = 8;
+
+/// Pixels along a side of a texel of the pyramid's first level: fine enough for cells of any size to be hidden, coarse
+/// enough for the picture to be read once and little to be written.
+constexpr int pyramid_side = 8;
 
 int groups_of(int size, int group) {
     return (size + group - 1) / group;
@@ -35,8 +41,8 @@ int detail_level(const SphereCulling::Drawn& drawn, const SphereCell& cell) {
 }  // namespace
 
 void DepthPyramid::build(ShaderLibrary& shaders, const Texture2D& depth, int width, int height) {
-    width_ = (width + 1) / 2;
-    height_ = (height + 1) / 2;
+    width_ = groups_of(width, pyramid_side);
+    height_ = groups_of(height, pyramid_side);
     const auto power = [](int size) { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(size))); };
     if (!levels_ || levels_.width() < width_ || levels_.height() < height_) {
         levels_ = Texture2D({.format = GL_R32F, .width = power(width_), .height = power(height_), .levels = 0});
@@ -51,8 +57,10 @@ void DepthPyramid::build(ShaderLibrary& shaders, const Texture2D& depth, int wid
         program.set("finer_size", Eigen::Vector2i(finer_width, finer_height));
         program.set("finer_level", std::max(used_levels_ - 1, 0));
         levels_.bind_image(0, GL_WRITE_ONLY, used_levels_);
-        finer_width = (finer_width + 1) / 2;
-        finer_height = (finer_height + 1) / 2;
+        const int side = used_levels_ == 0 ? pyramid_side : 2;
+        program.set("side", side);
+        finer_width = groups_of(finer_width, side);
+        finer_height = groups_of(finer_height, side);
         constexpr int group = 8;
         glDispatchCompute(static_cast<GLuint>(groups_of(finer_width, group)),
                           static_cast<GLuint>(groups_of(finer_height, group)), 1);
@@ -64,6 +72,7 @@ void DepthPyramid::build(ShaderLibrary& shaders, const Texture2D& depth, int wid
 void DepthPyramid::bind(Program& program, GLuint unit) const {
     program.bind_texture("pyramid", unit, levels_);
     program.set("levels", used_levels_);
+    program.set("side", pyramid_side);
     program.set("level_0_size", Eigen::Vector2i(width_, height_));
 }
 
@@ -94,9 +103,8 @@ void SphereCulling::List::upload() {
     bounds.upload(std::span<const Float4>(boxes));
 }
 
-void SphereCulling::draw(const Drawn& drawn, const SphereVisibility& visibility) {
-    points_.clear();
-    triangles_.clear();
+std::vector<SphereCulling::Round> SphereCulling::rounds_of(const Drawn& drawn, const SphereVisibility& visibility,
+                                                           bool culls) {
     struct Sorted {
         const SphereCell* cell;
         double depth;
@@ -109,23 +117,38 @@ void SphereCulling::draw(const Drawn& drawn, const SphereVisibility& visibility)
         if (visibility.frustum && place == SphereRays::Place::outside) continue;
         sorted.push_back({&cell, drawn.rays.nearest_depth(cell), place});
     }
-    std::ranges::stable_sort(sorted, std::greater<>(), &Sorted::depth);
-    const bool culls = visibility.occlusion && drawn.depth != nullptr && drawn.geometry.size() >= fewest_to_cull;
     // Of equal depths the first stays: with or without tests the order is the same.
-    struct Round {
-        std::size_t points_end = 0, triangles_end = 0;
-    };
+    std::ranges::stable_sort(sorted, std::greater<>(), &Sorted::depth);
+    const double fewest_hidden = static_cast<double>(drawn.width) * drawn.height / pixels_per_sphere;
+    SphereCover cover(drawn.width, drawn.height);
     std::vector<Round> rounds;
     std::size_t done = 0;
-    for (const double share : round_ends) {
-        const auto end = static_cast<std::size_t>(std::llround(share * static_cast<double>(sorted.size())));
+    for (double share = first_round; done < sorted.size(); share *= round_growth) {
+        const auto end =
+            std::min(sorted.size(), static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size()))));
+        std::vector<CellInPicture> seen;
+        double may_be_hidden = 0;
         for (; done < end; ++done) {
             const Sorted& next = sorted[done];
             List& list = next.place == SphereRays::Place::small ? points_ : triangles_;
             list.add(*next.cell, next.place == SphereRays::Place::small ? detail_level(drawn, *next.cell) : 0);
+            if (!culls || next.place == SphereRays::Place::outside) continue;
+            seen.push_back(drawn.rays.in_picture(*next.cell));
+            may_be_hidden += cover.may_hide(seen.back()) ? next.cell->count : 0;
         }
-        rounds.push_back({points_.commands.size(), triangles_.commands.size()});
+        for (const CellInPicture& cell : seen) cover.add(cell);
+        const bool is_behind_others = !drawn.depth_is_cleared && rounds.size() == 1;
+        rounds.push_back({points_.commands.size(), triangles_.commands.size(),
+                          culls && (is_behind_others || may_be_hidden > fewest_hidden)});
     }
+    return rounds;
+}
+
+void SphereCulling::draw(const Drawn& drawn, const SphereVisibility& visibility) {
+    points_.clear();
+    triangles_.clear();
+    const bool culls = visibility.occlusion && drawn.depth != nullptr && drawn.geometry.size() >= fewest_to_cull;
+    const std::vector<Round> rounds = rounds_of(drawn, visibility, culls);
     points_.upload();
     triangles_.upload();
     if (culls && drawn.peeled != nullptr) {
@@ -136,7 +159,7 @@ void SphereCulling::draw(const Drawn& drawn, const SphereVisibility& visibility)
     }
     Round begin;
     for (const Round& round : rounds) {
-        if (culls && &round != rounds.data()) {
+        if (round.asks) {
             pyramid_.build(shaders_, *drawn.depth, drawn.width, drawn.height);
             cull(drawn, pyramid_, points_, begin.points_end, round.points_end);
             cull(drawn, pyramid_, triangles_, begin.triangles_end, round.triangles_end);

@@ -58,6 +58,7 @@ public:
         int width = 0, height = 0;          // of its part that is used
         const Texture2D* peeled = nullptr;  // the depth of the layer that was peeled off last; null: nothing was
         SphereDetail detail = {};
+        bool depth_is_cleared = false;  // nothing is drawn there
     };
     void draw(const Drawn& drawn, const SphereVisibility& visibility);
 
@@ -67,6 +68,11 @@ public:
     std::size_t spheres_drawn() const;
 
 private:
+    struct Round {
+        std::size_t points_end = 0, triangles_end = 0;
+        bool asks = false;  // what of it is hidden
+    };
+    std::vector<Round> rounds_of(const Drawn& drawn, const SphereVisibility& visibility, bool culls);
     struct Command {
         std::uint32_t count = 0, instances = 1, first = 0, base_instance = 0;
     };

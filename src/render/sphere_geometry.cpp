@@ -13,8 +13,12 @@ namespace matchlight {
 
 namespace {
 
-/// Many enough for a draw, few enough for a test to be worth it.
-constexpr std::size_t most_in_cell = 2048;
+/// Many enough for a draw, few enough for what hides a part of them to tell; and no more cells than the CPU can look at
+/// in every frame.
+std::size_t most_in_cell(std::size_t spheres) {
+    constexpr std::size_t fewest = 256, most = 2048, cells = 1 << 15;
+    return std::clamp(spheres / cells, fewest, most);
+}
 
 /// Copies `values` in another order.
 template <class Value>
@@ -44,7 +48,7 @@ SphereGeometry::SphereGeometry(const SphereSet& set)
                          "split the set into several objects");
     }
     if (set.spheres.empty()) return;
-    SphereCells sorted = sphere_cells(set, most_in_cell);
+    SphereCells sorted = sphere_cells(set, most_in_cell(set.size()));
     cells_ = std::move(sorted.cells);
     spheres_ = in_order(std::span<const Sphere>(set.spheres), sorted.order);
     sphere_texels_ = BufferTexture(spheres_, GL_RGBA32F);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 namespace matchlight {
 
@@ -108,6 +109,25 @@ SphereRays::Place SphereRays::place(const SphereCell& cell) const {
     if (std::ranges::any_of(outside, [](int corners) { return corners > 0; }) || nearest_w <= 0) return Place::large;
     constexpr double largest_point_px = 56;  // OpenGL promises only a point of one pixel; all drivers draw 64
     return 2 * radius_px(cell, nearest_w) < largest_point_px ? Place::small : Place::large;
+}
+
+CellInPicture SphereRays::in_picture(const SphereCell& cell) const {
+    const Eigen::Array2d size_px(width_, height_);
+    const Eigen::AlignedBox2d picture(Eigen::Vector2d::Zero(), size_px.matrix());
+    CellInPicture seen;
+    double sum_w = 0;
+    for (int i = 0; i < 8; ++i) {
+        const Eigen::Vector4d clip = clip_from_model_ * corner_of(cell, i).homogeneous();
+        if (clip.w() <= std::max(clip.z(), 0.0)) return {picture, 0};
+        const Eigen::Array2d ndc(clip.x() / clip.w(), -clip.y() / clip.w());
+        seen.box_px.extend((0.5 * (ndc + 1) * size_px).matrix());
+        sum_w += clip.w();
+    }
+    seen.box_px = seen.box_px.intersection(picture);
+    const double px_per_m = 0.5 * clip_from_model_.row(0).head<3>().norm() * width_ / (sum_w / 8);
+    const double radius_px = px_per_m * cell.largest_radius_m;
+    seen.discs_px = std::numbers::pi * radius_px * radius_px * cell.count;
+    return seen;
 }
 
 double SphereRays::radius_px(const SphereCell& cell, double nearest_w) const {

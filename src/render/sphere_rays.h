@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "gl/program.h"
+#include "render/sphere_cover.h"
 #include "scene/sphere_cells.h"
 
 namespace matchlight {
@@ -36,6 +37,8 @@ public:
         large   // at the edge, before the near plane, or of large spheres
     };
     Place place(const SphereCell& cell) const;
+    /// Of one that is not outside; all of the picture where it reaches before the near plane.
+    CellInPicture in_picture(const SphereCell& cell) const;
     /// Of a cell that is small: no sphere of it is drawn larger.
     double largest_radius_px(const SphereCell& cell) const;
     /// The depth of its nearest corner; more than 1 before the near plane.

@@ -69,7 +69,8 @@ void SphereSets::draw(std::span<const PlacedSpheres> placed, int width, int heig
                .defines = defines,
                .set_up = sought.set_up,
                .depth = &targets.depth,
-               .peeled = sought.peeled});
+               .peeled = sought.peeled,
+               .depth_is_cleared = !sought.begin});
     glDisable(GL_DEPTH_TEST);
     last_ = &targets;
 }
@@ -99,7 +100,8 @@ void SphereSets::draw_each(const EachDraw& drawn) {
                        .width = drawn.width,
                        .height = drawn.height,
                        .peeled = drawn.peeled,
-                       .detail = one.detail},
+                       .detail = one.detail,
+                       .depth_is_cleared = drawn.depth_is_cleared && &one == drawn.placed.data()},
                       visibility);
     }
 }

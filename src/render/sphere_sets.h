@@ -70,6 +70,7 @@ public:
         std::function<void(Program&)> set_up;  // its other uniforms; may be empty
         const Texture2D* depth = nullptr;      // the depth buffer that is bound: hidden spheres are passed over
         const Texture2D* peeled = nullptr;     // of the layer before: spheres before it are passed over; null: none is
+        bool depth_is_cleared = false;         // nothing is drawn there yet
     };
     void draw_each(const EachDraw& drawn);
     /// Draws a set along a light's rays.

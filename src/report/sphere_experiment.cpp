@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
 
 #include "report/sphere_edge_trial.h"
 #include "report/sphere_halo_trial.h"
@@ -76,11 +77,16 @@ std::size_t frames_of(const SphereSet& set, const SphereExperimentOptions& optio
     return set.size() < large ? options.frames : std::min(options.frames, most_peeled_frames);
 }
 
+bool wants(const SphereExperimentOptions& options, std::string_view part) {
+    return options.parts.empty() || std::ranges::find(options.parts, part) != options.parts.end();
+}
+
 void measure_opaque(const SphereSet& set, const SphereCaster& rays, const SphereExperimentOptions& options,
                     Report& report) {
     SphereStage stage(set);
     for (const SphereOrbit& orbit : sphere_orbits()) {
         const auto add_rows = [&](const SpherePart& part, std::size_t frames) {
+            if (!wants(options, part.name)) return;
             const std::vector<ReferenceView> views = views_of(set, orbit, frames, options.side_px);
             for (SphereStudyRow& row : time_over_views(part, views, options.repeats)) {
                 row.set = set.name;
@@ -93,6 +99,8 @@ void measure_opaque(const SphereSet& set, const SphereCaster& rays, const Sphere
         add_rows(light_part(stage), frames_of(set, options));
         add_rows(occlusion_part(stage, options.quick), few_frames(options));
         stage.forget_maps();
+        if (options.advance) options.advance();
+        if (!wants(options, "rays")) continue;
         const std::vector<ReferenceView> compared = views_of(set, orbit, options.quick ? 1 : 3, options.side_px);
         const auto drawn = [&](const ReferenceView& view) {
             stage.set_edge_places(checked_edge_places);
@@ -105,25 +113,31 @@ void measure_opaque(const SphereSet& set, const SphereCaster& rays, const Sphere
         check.set = set.name;
         check.orbit = orbit.name;
         report.sphere_study.checks.push_back(std::move(check));
-        if (options.advance) options.advance();
     }
     const auto trial_view = [&](const SphereOrbit& orbit) {
         return SphereTrialView{.view = views_of(set, orbit, 1, options.side_px).front(),
                                .timing = {.repeats = options.repeats},
                                .quick = options.quick};
     };
-    EffectReport edges = measure_sphere_edges(stage, rays, trial_view(sphere_orbits().back()));
-    edges.name = "edges of " + set.name;
-    report.effects.push_back(std::move(edges));
-    EffectReport detail = measure_sphere_detail(stage, rays, trial_view(sphere_orbits().front()));
-    detail.name = "detail of " + set.name;
-    report.effects.push_back(std::move(detail));
-    EffectReport occlusion = measure_sphere_occlusion(stage, rays, trial_view(sphere_orbits().front()));
-    occlusion.name = "occlusion of " + set.name;
-    report.effects.push_back(std::move(occlusion));
-    EffectReport halos = measure_sphere_halos(stage, rays, trial_view(sphere_orbits().back()));
-    halos.name = "halos of " + set.name;
-    report.effects.push_back(std::move(halos));
+    const auto add_effect = [&](const char* part, auto measure, const SphereOrbit& orbit) {
+        if (!wants(options, part)) return;
+        EffectReport effect = measure(stage, rays, trial_view(orbit));
+        effect.name = std::string(part) + " of " + set.name;
+        report.effects.push_back(std::move(effect));
+    };
+    const SphereOrbit &whole = sphere_orbits().front(), &near = sphere_orbits().back();
+    add_effect("edges", measure_sphere_edges, near);
+    add_effect("detail", measure_sphere_detail, whole);
+    add_effect("occlusion", measure_sphere_occlusion, whole);
+    add_effect("halos", measure_sphere_halos, near);
+}
+
+/// What is only timed needs none.
+bool needs_rays(const SphereExperimentOptions& options) {
+    return std::ranges::any_of(sphere_experiment_parts, [&](const char* part) {
+        const std::string_view name = part;
+        return name != "visibility" && name != "light" && name != "maps" && wants(options, name);
+    });
 }
 
 /// The same spheres, all of the study's opacity.
@@ -156,11 +170,13 @@ void measure_spheres(const std::vector<std::string>& names, const SphereExperime
         SphereSet set = set_named(name, warnings);
         set.name = std::filesystem::path(name).stem().string();
         SphereCaster rays;
-        rays.add_set(set);
+        if (needs_rays(options)) rays.add_set(set);
         measure_opaque(set, rays, options, report);
-        set.opacity = static_cast<float>(studied_opacity());
-        set.opacities.clear();
-        measure_layers(set, rays, options, report);
+        if (wants(options, "transparency")) {
+            set.opacity = static_cast<float>(studied_opacity());
+            set.opacities.clear();
+            measure_layers(set, rays, options, report);
+        }
         report.scene += (report.scene.empty() ? "" : ", ") + set.name;
     }
     report.width = report.height = options.side_px;

@@ -1,6 +1,7 @@
 // Measures sphere sets over orbits: `matchlight report --spheres`.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -17,9 +18,12 @@ struct SphereExperimentOptions {
     int repeats = 1;     // of each frame
     bool quick = false;  // fewer ways, and few pixels are held against rays
     int side_px = 1024;
-    std::function<void()> advance;  // after each orbit; may be empty
+    std::vector<std::string> parts;  // of sphere_experiment_parts; all when empty
+    std::function<void()> advance;   // after each orbit; may be empty
 };
 inline constexpr std::size_t most_peeled_frames = 6;
+inline constexpr std::array sphere_experiment_parts{"visibility", "light",     "maps",  "rays",        "edges",
+                                                    "detail",     "occlusion", "halos", "transparency"};
 std::size_t sphere_experiment_steps(std::size_t sets);
 
 /// `names` are those of the study's sets (C1 to C4) or files. Each is loaded, measured and let go before the next. Adds
