@@ -159,6 +159,9 @@ TEST_F(ReportTest, StabilityNeedsNoScene) {
                               {"--parts", "no part \"bloom\"", "bloom, pyramid"}));
     EXPECT_FALSE(fs::exists(scratch_ / "other" / "report.html"));
     EXPECT_TRUE(refused_call(report(scratch_ / "other", {"--parts", "streaks"})));
+    const std::string other = scratch_ / "other";
+    EXPECT_TRUE(failed_naming(run_matchlight({"report", "--spheres", "C1", "--parts", "bloom", "-o", other}),
+                              {"--parts", "\"bloom\"", "visibility; light"}));
 }
 
 TEST_F(ReportTest, TrackingIsTimedAndScored) {
