@@ -131,6 +131,7 @@ SeenSpheres SphereLists::next(const Texture2D* covered, double enough) {
     counts_.bind_image(counts_image, GL_READ_WRITE);
     starts_.bind_image(starts_image, GL_READ_WRITE);
     entries_.bind(GL_SHADER_STORAGE_BUFFER, entries_buffer);
+    if (light_.name()) light_.bind(GL_SHADER_STORAGE_BUFFER, light_buffer);
     program.set("is_first", covered == nullptr);
     if (covered != nullptr) program.bind_texture("covered", picture_unit, *covered);
     program.set("enough", enough);
