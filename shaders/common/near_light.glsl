@@ -32,12 +32,6 @@ SurfaceAgreement surface_agreement(vec3 from_probe, float roughness) {
     return SurfaceAgreement(mirrored, picture.a * (1.0 - differs));
 }
 
-// The roughness whose lobe shows from the probe's place as much as a ray's lobe does from where the ray begins: a lobe's
-// width goes with the square.
-float roughness_from_probe(float roughness, float way_m, float from_probe_m) {
-    return min(roughness * sqrt(way_m / max(from_probe_m, 1e-9)), 1.0);
-}
-
 // From the surface or the probe. A lobe of this roughness spreads over what is seen.
 vec3 light_beyond_objects(vec3 from, vec3 direction, float roughness) {
     vec3 met;
@@ -46,13 +40,13 @@ vec3 light_beyond_objects(vec3 from, vec3 direction, float roughness) {
     if (surface_is_near == 0) {
         radiance = reflected_radiance(direction, roughness);
     } else {
-        float way_m = length(met - from), from_probe_m = length(met - probe_place_m);
-        vec3 from_probe = (met - probe_place_m) / from_probe_m;
+        float way_m = length(met - from);
+        vec3 from_probe = direction_of_place(met, direction);
         vec4 picture = surface_picture(met.xy, footprint_m(direction, roughness, way_m));
         float knowledge = picture.a > 0.0 ? picture.a * surface_agreement(from_probe, roughness).knowledge : 0.0;
         radiance = vec3(0.0);
         if (knowledge < 1.0)
-            radiance = (1.0 - knowledge) * reflected_radiance(from_probe, roughness_from_probe(roughness, way_m, from_probe_m));
+            radiance = (1.0 - knowledge) * reflected_radiance(from_probe, roughness_from_probe(roughness, way_m, met));
         if (knowledge > 0.0) {
             // What the surface mirrors lies far behind it, and is seen in the same direction from everywhere.
             SurfaceAgreement along = surface_agreement(direction, roughness);

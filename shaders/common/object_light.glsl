@@ -31,14 +31,10 @@ vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects
         }
         if (is_real(hit)) {
             if (bounce == 0) first_met = meets_real;
-            // As the probe saw it: from its own place, where that is known.
             if (bounce > 0 || beyond_objects) {
-                vec3 seen = from + hit.distance_m * direction - probe_place_m;
-                float from_probe_m = length(seen);
-                light += share * (surface_is_near != 0
-                                      ? reflected_radiance(seen / max(from_probe_m, 1e-9),
-                                                           roughness_from_probe(roughness, hit.distance_m, from_probe_m))
-                                      : reflected_radiance(direction, roughness));
+                vec3 met = from + hit.distance_m * direction;
+                light += share * reflected_radiance(direction_of_place(met, direction),
+                                                    roughness_from_probe(roughness, hit.distance_m, met));
             }
             break;
         }

@@ -22,11 +22,21 @@ float light_left_along(vec3 world_position, vec3 direction) {
     return contact_shadow_nearest(met.xy);
 }
 
-// The direction in which the probe shows what a ray from a point meets: the surface is near, and the probe saw that
-// spot of it from its own place (after Brennan 2002, "Accurate Reflections and Refractions by Adjusting for Object
-// Distance").
+// The direction in which the probe shows a place that a ray of `direction` meets: it saw that from its own place, where
+// that is known (after Brennan 2002, "Accurate Reflections and Refractions by Adjusting for Object Distance").
+vec3 direction_of_place(vec3 met, vec3 direction) {
+    vec3 from_probe = met - probe_place_m;
+    return surface_is_near != 0 && dot(from_probe, from_probe) > 0.0 ? normalize(from_probe) : direction;
+}
+
+// The direction in which it shows what a ray from a point meets: the surface, or what is far.
 vec3 direction_in_probe(vec3 world_position, vec3 direction) {
     vec3 met;
-    if (surface_is_near == 0 || !meets_surface(world_position, direction, met)) return direction;
-    return normalize(met - probe_place_m);
+    return meets_surface(world_position, direction, met) ? direction_of_place(met, direction) : direction;
+}
+
+// The roughness whose lobe shows from the probe's place as much of a place as a ray's lobe does from where the ray begins:
+// a lobe's width goes with the square.
+float roughness_from_probe(float roughness, float way_m, vec3 met) {
+    return surface_is_near != 0 ? min(roughness * sqrt(way_m / max(length(met - probe_place_m), 1e-9)), 1.0) : roughness;
 }

@@ -1,10 +1,11 @@
 // A pixel's spheres as a heap, the nearest on top; of those at one depth the first of the set.
+#include "spheres/no_sphere.glsl"
+
 layout(std430, binding = 3) buffer Entries { uvec2 entries[]; };  // number, depth (near_m / z: larger is nearer)
 
 // What is no sphere (surface/listed.glsl) is numbered as threads came, anew in each run: of two of those at one depth
-// their light says which is before, so that a frame is the same every time.
+// their light says which is before, not the thread.
 layout(std430, binding = 5) readonly buffer ListedLight { uvec2 listed_light[]; };
-const uint no_sphere = 0x80000000u;
 
 bool is_before(uvec2 a, uvec2 b) {
     // Depths are positive: their bits are in their order.

@@ -1,4 +1,6 @@
 // Counts what a fragment shows among all that its pixel shows, or keeps it (render/sphere_lists.h).
+#include "spheres/no_sphere.glsl"
+
 layout(early_fragment_tests) in;
 
 layout(binding = 2, r32ui) uniform uimage2D counts;
@@ -6,8 +8,6 @@ layout(binding = 3, r32ui) uniform readonly uimage2D starts;
 layout(std430, binding = 3) writeonly buffer Entries { uvec2 entries[]; };            // number, depth (near_m / z)
 layout(std430, binding = 5) writeonly buffer ListedLight { uvec2 listed_light[]; };  // half floats
 uniform bool counts_only;
-
-const uint no_sphere = 0x80000000u;
 
 // Premultiplied light, and what it covers.
 void list(vec4 light) {

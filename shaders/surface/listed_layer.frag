@@ -1,13 +1,12 @@
 #version 450 core
 // The light of what was taken from the lists and is no sphere (surface/listed.glsl).
+#include "spheres/no_sphere.glsl"
 
 uniform usampler2D taken;
 uniform sampler2D taken_depth;
 layout(std430, binding = 5) readonly buffer ListedLight { uvec2 listed_light[]; };
 
 layout(location = 0) out vec4 light;
-
-const uint no_sphere = 0x80000000u;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);

@@ -21,14 +21,13 @@ vec3 gathered(vec3 world_position, vec3 n, bool to_object) {
     for (int i = first_ray; i <= last_ray; ++i) {
         // Everywhere the same directions: neighbours err alike, and what changes slowly stays smooth.
         vec3 along = world_from_surface * cosine_direction(i, gather_rays);
+        // Of what is far, and of real things before it, object_shadow() knows.
+        vec3 met;
+        bool from_surface = to_object && meets_surface(from, along, met);
         int first_met;
-        vec3 radiance = light_along(from, along, roughness, to_object, first_met);
-        if (to_object && first_met != meets_object) {
-            vec3 met;
-            if (!meets_surface(from, along, met)) continue;   // far, or what object_shadow() has of real things
-            radiance -= reflected_radiance(along, roughness) * light_left_along(from, along);
-        }
-        sum += radiance;
+        sum += light_along(from, along, roughness, from_surface, first_met);
+        if (from_surface && first_met != meets_object)
+            sum -= reflected_radiance(along, roughness) * light_left_along(from, along);
     }
     return sum / float(gather_rays);
 }

@@ -61,9 +61,7 @@ float way_to_real_thing_m(vec3 world_position, vec3 world_normal, int i, float c
 // or a lamp beside it would shine through.
 vec3 radiance_of_real_thing(vec3 world_position, vec3 direction, float way_m) {
     const float sharp_roughness = 0.1;
-    vec3 from_probe = world_position + way_m * direction - probe_place_m;
-    bool is_seen = surface_is_near != 0 && dot(from_probe, from_probe) > 0.0;
-    return reflected_radiance(is_seen ? normalize(from_probe) : direction, sharp_roughness);
+    return reflected_radiance(direction_of_place(world_position + way_m * direction, direction), sharp_roughness);
 }
 
 // The direction of a map that a surface sees, and its cosine; 0 or less: it sees none.
