@@ -281,7 +281,8 @@ void main() {
 #endif
     vec3 diffuse_light = diffuse_radiance(n) * vertex_visibility;
 #ifdef RAYS
-    diffuse_light += vertex_bounce;
+    // Between vertices, what near things send instead of far ones may take more than the map of directions left here.
+    diffuse_light = max(diffuse_light + vertex_bounce, vec3(0.0));
 #ifdef SPHERES
     seen_side = world_normal;
 #else
