@@ -66,14 +66,16 @@ bool SphereLists::gather(const Gathered& gathered) {
         glDisable(GL_CULL_FACE);
         counts_.bind_image(counts_image, GL_READ_WRITE);
         starts_.bind_image(starts_image, GL_READ_WRITE);
-        gathered.sets.draw_each({.placed = gathered.placed,
-                                 .width = gathered.width,
-                                 .height = gathered.height,
-                                 .fragment = "spheres/gather.frag",
-                                 .defines = {{counts ? "COUNT" : "KEEP", "1"}},
-                                 .set_up = {},
-                                 .depth = &gathered.opaque_depth,
-                                 .peeled = nullptr});
+        gathered.sets.draw_each(
+            {.placed = gathered.placed,
+             .width = gathered.width,
+             .height = gathered.height,
+             .fragment = "spheres/gather.frag",
+             .defines = {{counts ? "COUNT" : "KEEP", "1"}},
+             .set_up =
+                 [&](Program& program) { program.set("end_px", Eigen::Vector2i(rows_.width, rows_.y + rows_.height)); },
+             .depth = &gathered.opaque_depth,
+             .peeled = nullptr});
         if (gathered.draw_others) gathered.draw_others(counts);
         glDepthMask(GL_TRUE);
         glDisable(GL_DEPTH_TEST);
