@@ -42,6 +42,7 @@ TEST(ScriptClock, StartsWithTheProgramAndKnowsItsMemory) {
     EXPECT_THAT(clock.told(), StartsWith("settled after "));
     EXPECT_THAT(clock.told(), Not(StartsWith("settled after 0 ms")));
     EXPECT_THAT(clock.told(), Not(HasSubstr(" 0 MB")));
+    EXPECT_THAT(clock.told(), HasSubstr(" MB of it allocated"));
 }
 
 }  // namespace
