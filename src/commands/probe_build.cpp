@@ -26,6 +26,7 @@
 #include "core/version.h"
 #include "lighting/ball_build.h"
 #include "lighting/probe_file.h"
+#include "lighting/probe_record.h"
 #include "lighting/resample.h"
 #include "scene/scene_file.h"
 
@@ -49,14 +50,15 @@ struct ProbeBuildCall {
     double camera_deg = 8;
 };
 
-/// sigma, seen and clipped side by side, as EXR files keep them.
+/// sigma, seen, clipped and, where the probe knows any distance, nearness side by side.
 ImageF known_of(const BallProbe& probe) {
-    ImageF known(probe.radiance.width(), probe.radiance.height(), 3);
+    ImageF known(probe.radiance.width(), probe.radiance.height(), probe.nearness.empty() ? 3 : 4);
     for (int y = 0; y < known.height(); ++y) {
         for (int x = 0; x < known.width(); ++x) {
             known.at(x, y, 0) = probe.sigma.at(x, y);
             known.at(x, y, 1) = probe.seen.at(x, y);
             known.at(x, y, 2) = probe.clipped.at(x, y);
+            if (!probe.nearness.empty()) known.at(x, y, 3) = probe.nearness.at(x, y);
         }
     }
     return known;
@@ -233,7 +235,8 @@ void run_build(const ProbeBuildCall& call, CommandContext& context) {
         size = std::max(1, size / 2);
     const ProbeLayout layout = layout_of_size(call.output.to, size, call.output.cube);
     const ImageF image = resample(build.probe.radiance, natural, layout);
-    const ImageF known = resample(known_of(build.probe), natural, layout);
+    RecordedChannels known{{"sigma", "seen", "clipped"}, resample(known_of(build.probe), natural, layout)};
+    if (known.image.channels() == 4) store_distances(known, 3);
     write_probe_image(
         call.output.path, image, layout,
         {{"software", std::string("matchlight ") + version},
@@ -246,7 +249,7 @@ void run_build(const ProbeBuildCall& call, CommandContext& context) {
          {"exposure_scale", fmt::format("{}", photographs.exposure_scale())},
          {"coverage", fmt::format("{}", build.probe.coverage)},
          {"source", fmt::format("{}", fmt::join(photographs.sources(), " "))}},
-        {{"sigma", "seen", "clipped"}, known});
+        known);
     print_result(context, result_json(call, build, layout, photographs.exposure_scale()),
                  result_text(call, build, layout));
 }

@@ -17,6 +17,7 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/version.h"
+#include "lighting/latlong_lookup.h"
 #include "lighting/probe_file.h"
 #include "lighting/probe_record.h"
 #include "lighting/resample.h"
@@ -71,21 +72,17 @@ RecordedChannels converted(const ProbeRecord& record, double rotation_deg, const
     take("sigma", record.sigma);
     take("seen", record.seen);
     take("clipped", record.clipped);
+    if (record.nearness) maps.push_back(&*record.nearness);
     if (maps.empty()) return result;
-    // They travel in the place of red, green and blue.
-    Probe all{ImageF(maps[0]->width(), maps[0]->height(), 3)};
-    const auto count = static_cast<int>(maps.size());
-    for (int y = 0; y < all.latlong.height(); ++y) {
-        for (int x = 0; x < all.latlong.width(); ++x) {
-            for (int c = 0; c < count; ++c) all.latlong.at(x, y, c) = maps[static_cast<std::size_t>(c)]->at(x, y);
+    ImageF all(maps[0]->width(), maps[0]->height(), static_cast<int>(maps.size()));
+    for (int y = 0; y < all.height(); ++y) {
+        for (int x = 0; x < all.width(); ++x) {
+            for (int c = 0; c < all.channels(); ++c) all.at(x, y, c) = maps[static_cast<std::size_t>(c)]->at(x, y);
         }
     }
-    if (rotation_deg != 0) all = placed(all, {rotation_deg, 0});
-    const ImageF image = image_from_probe(all, to);
-    result.image = ImageF(to.width, to.height, count);
-    for (int y = 0; y < to.height; ++y) {
-        for (int x = 0; x < to.width; ++x) std::copy_n(image.pixel(x, y), count, result.image.pixel(x, y));
-    }
+    if (rotation_deg != 0) all = turned_latlong(all, rotation_deg);
+    result.image = resample(all, layout_of_size(ProbeMapping::latlong, all.height()), to);
+    if (record.nearness) store_distances(result, result.image.channels() - 1);
     return result;
 }
 

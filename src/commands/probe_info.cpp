@@ -121,6 +121,13 @@ void run_info(const ProbeInfoOptions& options, CommandContext& context) {
         text += fmt::format("; half of the rest known to {:.2g} %", 100 * *coverage.median_sigma);
     }
     text += "\n";
+    if (const auto distances = distances_of(record)) {
+        result["distances"] = {{"known_share", distances->known_share},
+                               {"least_m", distances->least_m},
+                               {"median_m", distances->median_m}};
+        text += fmt::format("distances: of {:.1f} % of the sphere, from {:.3g} m, half of it nearer than {:.3g} m\n",
+                            100 * distances->known_share, distances->least_m, distances->median_m);
+    }
     result["metadata"] = record.metadata;
 
     text += "irradiance of a surface that faces        r          g          b\n";

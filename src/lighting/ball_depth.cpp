@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "lighting/latlong_lookup.h"
 #include "lighting/probe.h"
 
 namespace matchlight {
@@ -65,7 +66,7 @@ double BallDepth::nearest(const Eigen::Vector3d& towards) const {
         for (std::size_t v = 0; v < maps_.size() && !through; ++v) {
             const SeenPlace there = seen(v, place_m);
             const BallDepthMap& map = maps_[v];
-            const AroundDirection at(there.towards, map.known.width(), map.known.height());
+            const LatlongTaps at(there.towards, map.known.width(), map.known.height());
             const int x = at.nearest_x(), y = at.nearest_y();
             if (map.known.at(x, y) <= 0) continue;
             const double has = map.nearness.at(x, y);
@@ -84,7 +85,7 @@ double BallDepth::nearest(const Eigen::Vector3d& towards) const {
 double BallDepth::visible(std::size_t v, const Eigen::Vector3d& towards, double nearness) const {
     const SeenPlace there = seen(v, place_of(towards, nearness));
     const ImageF& map = maps_[v].nearness;
-    const AroundDirection at(there.towards, map.width(), map.height());
+    const LatlongTaps at(there.towards, map.width(), map.height());
     double share = 0;
     for (int i = 0; i < 2; ++i) {
         for (int j = 0; j < 2; ++j) {

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "core/parallel.h"
+#include "lighting/latlong_lookup.h"
 #include "lighting/probe.h"
 
 namespace matchlight {
@@ -114,7 +115,7 @@ public:
 private:
     std::optional<Eigen::Vector3d> light_of(std::size_t u, const Eigen::Vector3d& towards) const {
         const BallDepthMap& map = maps_[u];
-        const AroundDirection at(towards, map.known.width(), map.known.height());
+        const LatlongTaps at(towards, map.known.width(), map.known.height());
         if (map.known.at(at.nearest_x(), at.nearest_y()) <= 0) return std::nullopt;
         Eigen::Vector3d light = Eigen::Vector3d::Zero();
         for (int i = 0; i < 2; ++i) {
@@ -167,16 +168,6 @@ SeenPlace seen_place(const MirrorBall& ball, const Eigen::Vector3d& eye_m, const
         normal = ((eye_m - seen.point_m).normalized() + seen.towards).normalized();
     }
     return seen;
-}
-
-AroundDirection::AroundDirection(const Eigen::Vector3d& towards, int width, int height) {
-    const Eigen::Vector2d at = latlong_pixel(towards, width, height);
-    const double left = std::floor(at.x()), top = std::floor(at.y());
-    across = at.x() - left, down = at.y() - top;
-    for (int k = 0; k < 2; ++k) {
-        x[k] = ((static_cast<int>(left) + k) % width + width) % width;
-        y[k] = std::clamp(static_cast<int>(top) + k, 0, height - 1);
-    }
 }
 
 double plane_nearness(const BallScene& scene, const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards) {

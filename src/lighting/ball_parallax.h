@@ -2,7 +2,6 @@
 // light on other parts of the ball.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include <Eigen/Core>
@@ -44,17 +43,6 @@ struct SeenPlace {
 /// radii away; `normal` is where it begins, and the answer's afterwards.
 SeenPlace seen_place(const MirrorBall& ball, const Eigen::Vector3d& eye_m, const Eigen::Vector3d& place_m, int rounds,
                      Eigen::Vector3d& normal);
-
-/// The pixels of a lat-long map around a direction, and their shares.
-struct AroundDirection {
-    std::array<int, 2> x, y;
-    double across, down;
-
-    AroundDirection(const Eigen::Vector3d& towards, int width, int height);
-    double share(int i, int j) const { return (i != 0 ? across : 1 - across) * (j != 0 ? down : 1 - down); }
-    int nearest_x() const { return x[across >= 0.5 ? 1 : 0]; }
-    int nearest_y() const { return y[down >= 0.5 ? 1 : 0]; }
-};
 
 /// Nearness of the scene's plane along a ray; 0 where the ray does not meet it, or there is none.
 double plane_nearness(const BallScene& scene, const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards);

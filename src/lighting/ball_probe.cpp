@@ -54,6 +54,23 @@ void gather(BallProbe& probe, const DirectionLight& light_of, const std::functio
     });
 }
 
+/// The mean over a pixel's samples of one over how far away is what they show.
+ImageF nearness_map(int height,
+                    const std::function<double(const Eigen::Vector3d& towards, int x, int y)>& nearness_of) {
+    const int width = 2 * height;
+    ImageF map(width, height, 1);
+    parallel_for(height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+            double sum = 0;
+            for (const auto& [across, down] : map_samples) {
+                sum += nearness_of(latlong_direction(x + across, y + down, width, height), x, y);
+            }
+            map.at(x, y) = static_cast<float>(sum / map_samples.size());
+        }
+    });
+    return map;
+}
+
 /// Shares of the sphere that are seen and clipped; what hardly is seen is not.
 void summarize(BallProbe& probe) {
     const int width = probe.radiance.width(), height = probe.radiance.height();
@@ -98,15 +115,23 @@ BallProbe probe_from_balls(const BallScene& whole_scene, const BallProbeOptions&
     const BallScene scene{views, whole_scene.ball, whole_scene.reflectance, whole_scene.plane, whole_scene.rig};
     const int width = 2 * height;
     const BallUnwrap unwrap(scene, options);
-    BallProbe probe{
-        ImageF(width, height, 3), ImageF(width, height, 1), ImageF(width, height, 1), ImageF(width, height, 1), 0, 0};
+    BallProbe probe{ImageF(width, height, 3),
+                    ImageF(width, height, 1),
+                    ImageF(width, height, 1),
+                    ImageF(width, height, 1),
+                    {},
+                    0,
+                    0};
     const std::optional<BallDepth> depth =
         options.parallax && views.size() > 1
             ? std::optional<BallDepth>(std::in_place, scene, options.place_m, unwrap, std::min(height, most_depth_rows))
             : std::nullopt;
+    const auto parallax_nearness = [&](int x, int y) {
+        return depth ? depth->nearness(x * depth->height() / height, y * depth->height() / height) : 0;
+    };
     const auto light_of = [&](const Eigen::Vector3d& towards, int x, int y) {
         if (!depth) return unwrap.far_light(towards);
-        const double nearness = depth->nearness(x * depth->height() / height, y * depth->height() / height);
+        const double nearness = parallax_nearness(x, y);
         std::vector<double> visible;
         // Never quite 0: what no view shows is guessed better by what hides it than by what lies around.
         for (std::size_t v = 0; v < views.size(); ++v)
@@ -115,30 +140,37 @@ BallProbe probe_from_balls(const BallScene& whole_scene, const BallProbeOptions&
     };
     gather(probe, light_of, [](int, int) { return true; });
 
+    std::optional<BallTable> table;
     if (scene.plane && scene.plane->height_m(options.place_m) > 0) {
         ImageF first = probe.radiance;
         fill_unseen(first, probe.seen);
-        BallTable table(scene, options, unwrap, first);
+        table.emplace(scene, options, unwrap, first);
         const auto take_table = [&] {
             gather(
                 probe,
                 [&](const Eigen::Vector3d& towards, int x, int y) {
-                    const auto place_m = table.place(towards);
-                    return place_m ? table.light(towards, *place_m, y) : light_of(towards, x, y);
+                    const auto place_m = table->place(towards);
+                    return place_m ? table->light(towards, *place_m, y) : light_of(towards, x, y);
                 },
                 [&](int x, int y) {
                     return std::ranges::any_of(map_samples, [&](const auto& sample) {
-                        return table.place(latlong_direction(x + sample.first, y + sample.second, width, height))
+                        return table->place(latlong_direction(x + sample.first, y + sample.second, width, height))
                             .has_value();
                     });
                 });
-            table.draw_print(probe);
+            table->draw_print(probe);
         };
         take_table();
         ImageF found = probe.radiance;
         fill_unseen(found, probe.seen);
-        table.follow_reflections(found);
+        table->follow_reflections(found);
         take_table();
+    }
+    if (table || depth) {
+        probe.nearness = nearness_map(height, [&](const Eigen::Vector3d& towards, int x, int y) {
+            const auto place_m = table ? table->place(towards) : std::nullopt;
+            return place_m ? 1 / (*place_m - options.place_m).norm() : parallax_nearness(x, y);
+        });
     }
     fill_unseen(probe.radiance, probe.seen);
     summarize(probe);

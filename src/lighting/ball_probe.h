@@ -27,6 +27,7 @@ struct BallProbe {
     ImageF sigma;              // 1 channel: relative, of luminance
     ImageF seen;               // 1 channel: 1 photographed, 0 filled in
     ImageF clipped;            // 1 channel: 1 where the light is brighter than every photograph could hold
+    ImageF nearness = {};      // 1 channel, 1/m: one over the distance from the probe's place; 0 far or not known
     double coverage = 0;       // share of the sphere that is seen
     double clipped_share = 0;  // of the sphere
 };
@@ -44,7 +45,7 @@ struct BallScene {
 /// direction, not near the ball's rim, and not where it shows its own camera.
 ///
 /// With two views: what is near by their parallax (BallDepth) is shown as it is seen from `place_m`, from the views
-/// that see it; so is what lies behind it.
+/// that see it; so is what lies behind it. `nearness` is empty where neither parallax nor a plane tells any.
 ///
 /// With a plane: a ray that leads down to it ends at a known place, so it is looked up where each view shows that
 /// place, reflected or, where reflections are too coarse or hidden, directly; the ball's own shadow is taken off

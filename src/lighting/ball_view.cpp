@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "lighting/halved_image.h"
+
 namespace matchlight {
 
 std::optional<Eigen::Vector2d> direct_pixel(const BallView& view, const MirrorBall& ball,
@@ -38,25 +40,12 @@ Eigen::Vector3d sample_rgb(const ImageF& image, const Eigen::Vector2d& pixel) {
 
 BallView halved(const BallView& view) {
     const int width = view.radiance.width() / 2, height = view.radiance.height() / 2;
-    const auto half = [&](const ImageF& image) {
-        ImageF small(width, height, image.channels());
-        for (int y = 0; y < height; ++y) {
-            for (int x = 0; x < width; ++x) {
-                for (int c = 0; c < image.channels(); ++c) {
-                    small.at(x, y, c) = (image.at(2 * x, 2 * y, c) + image.at(2 * x + 1, 2 * y, c) +
-                                         image.at(2 * x, 2 * y + 1, c) + image.at(2 * x + 1, 2 * y + 1, c)) /
-                                        4;
-                }
-            }
-        }
-        return small;
-    };
     BallView result;
     result.name = view.name;
     result.outline = view.outline;
     result.camera_from_world = view.camera_from_world;
-    result.radiance = half(view.radiance);
-    if (!view.sigma.empty()) result.sigma = half(view.sigma);
+    result.radiance = halved(view.radiance, width, height);
+    if (!view.sigma.empty()) result.sigma = halved(view.sigma, width, height);
     if (!view.clipped.empty()) {
         result.clipped = Image8(width, height, 1);
         for (int y = 0; y < height; ++y) {

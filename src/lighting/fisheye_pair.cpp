@@ -10,6 +10,8 @@
 
 #include <Eigen/Geometry>
 
+#include "lighting/halved_image.h"
+
 namespace matchlight {
 namespace {
 
@@ -58,30 +60,14 @@ ImageF log_light(const FisheyePicture& picture) {
     return result;
 }
 
-ImageF halved(const ImageF& image) {
-    ImageF half((image.width() + 1) / 2, (image.height() + 1) / 2, image.channels());
-    for (int y = 0; y < half.height(); ++y) {
-        for (int x = 0; x < half.width(); ++x) {
-            for (int c = 0; c < image.channels(); ++c) {
-                float sum = 0;
-                for (int i = 0; i < 4; ++i) {
-                    const int sx = 2 * x + i % 2, sy = 2 * y + i / 2;
-                    if (image.bounds().contains(sx, sy)) sum += image.at(sx, sy, c);
-                }
-                half.at(x, y, c) = sum / 4;
-            }
-        }
-    }
-    return half;
-}
-
 /// The smoothed log light of a picture, looked up by direction.
 class LogPyramid {
 public:
     explicit LogPyramid(const FisheyePicture& picture) : picture_(picture), levels_{log_light(picture)} {
         constexpr int smallest = 16;
         while (std::min(levels_.back().width(), levels_.back().height()) > smallest) {
-            levels_.push_back(halved(levels_.back()));
+            const ImageF& last = levels_.back();
+            levels_.push_back(halved(last, (last.width() + 1) / 2, (last.height() + 1) / 2));
         }
     }
 

@@ -1,11 +1,11 @@
 // The lat-long image of a probe: looking radiance up, turning and scaling it.
 #include "lighting/probe.h"
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "lighting/latlong_lookup.h"
 
 namespace matchlight {
 namespace {
@@ -17,11 +17,6 @@ constexpr std::array<std::pair<ProbeMapping, const char*>, 4> mapping_names = {
      {ProbeMapping::angular, "angular"},
      {ProbeMapping::mirrorball, "mirrorball"},
      {ProbeMapping::cube, "cube"}}};
-
-int wrapped(int x, int width) {
-    const int remainder = x % width;
-    return remainder < 0 ? remainder + width : remainder;
-}
 
 }  // namespace
 
@@ -55,51 +50,20 @@ Eigen::Vector2d latlong_pixel(const Eigen::Vector3d& direction, int width, int h
 
 Eigen::Vector3d Probe::radiance(const Eigen::Vector3d& world_direction) const {
     assert(!latlong.empty() && latlong.channels() == 3);
-    const int width = latlong.width();
-    const int height = latlong.height();
-    const Eigen::Vector2d position = latlong_pixel(world_direction, width, height);
-    const double left = std::floor(position.x());
-    const double top = std::floor(position.y());
-    const double tx = position.x() - left;
-    const double ty = position.y() - top;
-    const int x0 = wrapped(static_cast<int>(left), width);
-    const int x1 = wrapped(static_cast<int>(left) + 1, width);
-    const int y0 = std::clamp(static_cast<int>(top), 0, height - 1);
-    const int y1 = std::clamp(static_cast<int>(top) + 1, 0, height - 1);
+    const LatlongTaps at(world_direction, latlong.width(), latlong.height());
     Eigen::Vector3d sum;
     for (int c = 0; c < 3; ++c) {
-        const double upper = latlong.at(x0, y0, c) * (1 - tx) + latlong.at(x1, y0, c) * tx;
-        const double lower = latlong.at(x0, y1, c) * (1 - tx) + latlong.at(x1, y1, c) * tx;
-        sum[c] = upper * (1 - ty) + lower * ty;
+        const double upper =
+            latlong.at(at.x[0], at.y[0], c) * (1 - at.across) + latlong.at(at.x[1], at.y[0], c) * at.across;
+        const double lower =
+            latlong.at(at.x[0], at.y[1], c) * (1 - at.across) + latlong.at(at.x[1], at.y[1], c) * at.across;
+        sum[c] = upper * (1 - at.down) + lower * at.down;
     }
     return sum;
 }
 
 Probe placed(const Probe& probe, const ProbePlacement& placement) {
-    const int width = probe.latlong.width();
-    const int height = probe.latlong.height();
-    const double gain = std::exp2(placement.exposure_ev);
-    // Azimuth runs clockwise seen from above, so light turned counter-clockwise moves to the left: each pixel takes
-    // what lay to its right. Interpolation between columns keeps the sum of every row, so energy is exact.
-    double shift = std::fmod(placement.rotation_deg / 360.0, 1.0) * width;
-    if (shift < 0) shift += width;
-    const int whole = static_cast<int>(std::floor(shift));
-    const double part = shift - whole;
-    Probe result{ImageF(width, height, 3)};
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-            const float* near = probe.latlong.pixel(wrapped(x + whole, width), y);
-            const float* far = probe.latlong.pixel(wrapped(x + whole + 1, width), y);
-            float* out = result.latlong.pixel(x, y);
-            for (int c = 0; c < 3; ++c) {
-                const double radiance = near[c] * (1 - part) + far[c] * part;
-                // A large exposure must not make infinities of finite light.
-                out[c] = static_cast<float>(
-                    std::min(radiance * gain, static_cast<double>(std::numeric_limits<float>::max())));
-            }
-        }
-    }
-    return result;
+    return {turned_latlong(probe.latlong, placement.rotation_deg, std::exp2(placement.exposure_ev))};
 }
 
 }  // namespace matchlight

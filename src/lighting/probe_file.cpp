@@ -210,7 +210,7 @@ RecordedChannels recorded_channels(const fs::path& path, const ProbeLayout& layo
     RecordedChannels recorded;
     if (recognise_picture(path) != PictureFormat::exr) return recorded;
     const ExrFile exr(path);
-    for (const char* name : {"sigma", "seen", "clipped"}) {
+    for (const char* name : {"sigma", "seen", "clipped", "distance_m"}) {
         if (exr.has_channel(0, name)) recorded.names.emplace_back(name);
     }
     if (recorded.names.empty()) return recorded;

@@ -42,7 +42,7 @@ void require_probe_extension(const std::filesystem::path& path);
 
 /// Channels that an EXR file keeps beside R, G and B, as they are stored.
 struct RecordedChannels {
-    std::vector<std::string> names;  // of "sigma", "seen", "clipped"
+    std::vector<std::string> names;  // of "sigma", "seen", "clipped", "distance_m"
     ImageF image;                    // as many channels; empty where there are none
 };
 

@@ -220,14 +220,21 @@ TEST_F(ProbeCommand, CompareTellsHowDifferentObjectsLook) {
 }
 
 TEST_F(ProbeCommand, ConvertKeepsWhatAProbeSaysOfItself) {
-    // The half towards +x was not seen; turned by 180° it is the half towards −x.
-    ImageF image(64, 32, 4, 1.0f);
+    // The half towards +x was not seen; turned by 180° it is the half towards −x. What was seen lies 2 m away.
+    ImageF image(64, 32, 5, 1.0f);
     for (int y = 0; y < 32; ++y) {
-        for (int x = 0; x < 64; ++x) image.at(x, y, 3) = x < 32 ? 1.0f : 0.0f;
+        for (int x = 0; x < 64; ++x) {
+            image.at(x, y, 3) = x < 32 ? 1.0f : 0.0f;
+            image.at(x, y, 4) = x < 32 ? 2.0f : 0.0f;
+        }
     }
     const std::string built = in_scratch("built.exr");
     write_exr(built, 64, 32,
-              {{.name = "", .channels = {"R", "G", "B", "seen"}, .image = &image, .half = true, .data_window = {}}},
+              {{.name = "",
+                .channels = {"R", "G", "B", "seen", "distance_m"},
+                .image = &image,
+                .half = true,
+                .data_window = {}}},
               {{"place_m", "0 0.02 0.04"}, {"source", "ball_1.jpg"}});
     const std::string turned = in_scratch("turned_built.exr");
     ASSERT_TRUE(succeeded(
@@ -239,9 +246,15 @@ TEST_F(ProbeCommand, ConvertKeepsWhatAProbeSaysOfItself) {
     const ImageF seen = read_exr_part(turned, "rgb", {"seen"});
     EXPECT_NEAR(seen.at(10, 16), 0, 1e-3);
     EXPECT_NEAR(seen.at(50, 16), 1, 1e-3);
+    const ImageF distance_m = read_exr_part(turned, "rgb", {"distance_m"});
+    EXPECT_EQ(distance_m.at(10, 16), 0);
+    EXPECT_NEAR(distance_m.at(50, 16), 2, 1e-3);
     const std::string cube = in_scratch("built_cube.exr");
     ASSERT_TRUE(succeeded(run_matchlight({"probe", "convert", built, "-o", cube, "--to", "cube"})));
-    EXPECT_NEAR(probe_json({"info", cube})["unseen_share"].get<double>(), 0.5, 0.01);
+    const json of_cube = probe_json({"info", cube});
+    EXPECT_NEAR(of_cube["unseen_share"].get<double>(), 0.5, 0.01);
+    EXPECT_NEAR(of_cube["distances"]["median_m"].get<double>(), 2, 2e-3);
+    EXPECT_GE(of_cube["distances"]["least_m"].get<double>(), 2 - 2e-3);
 }
 
 TEST_F(ProbeCommand, ConvertKeepsASunBeyondHalfRange) {

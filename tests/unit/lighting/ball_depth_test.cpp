@@ -70,9 +70,37 @@ double lamp_share(const BallProbe& probe) {
     return energy / (lamp_radiance * 2 * pi * (1 - std::cos(lamp_radius)));
 }
 
+/// Shares of the directions that show the screen, well within it and above the ball's middle, whose distance is right,
+/// and of those high up and opposite it that are far.
+void expect_distances(const BallProbe& built) {
+    const int width = built.nearness.width(), height = built.nearness.height();
+    int screen = 0, right = 0, room = 0, far = 0;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const Eigen::Vector3d towards = latlong_direction(x, y, width, height);
+            const double distance_m = (screen_y - ball.centre_m.y()) / towards.y();
+            const Eigen::Vector3d meets = ball.centre_m + distance_m * towards;
+            const double nearness = built.nearness.at(x, y);
+            if (distance_m > 0 && std::abs(meets.x() - ball.centre_m.x()) < 0.8 * screen_half_width &&
+                meets.z() < screen_top - 0.01 && meets.z() > ball.centre_m.z()) {
+                ++screen;
+                // Half a pixel of the maps, seen from points of the ball that lie a radius apart, is 5 % of 15 cm.
+                right += std::abs(nearness * distance_m - 1) < 0.05 ? 1 : 0;
+            } else if (towards.y() < 0 || towards.z() > 0.8) {
+                ++room;
+                far += nearness == 0 ? 1 : 0;
+            }
+        }
+    }
+    ASSERT_GT(screen, 100);
+    EXPECT_GT(right, 0.98 * screen) << right << " of " << screen;
+    EXPECT_GT(far, 0.98 * room) << far << " of " << room;
+}
+
 TEST(BallDepth, ALampThatAScreenHidesFromTheProbesPlaceIsHidden) {
     const std::vector<BallView> views = two_views(room_with_screen);
     const BallProbe built = probe_of(views, true);
+    expect_distances(built);
     // Both views see past the edge, 6° higher from their sides of the ball than from its middle.
     EXPECT_GT(lamp_share(probe_of(views, false)), 0.7);
     EXPECT_LT(lamp_share(built), 0.2);
@@ -101,6 +129,7 @@ TEST(BallDepth, WhatIsFarStaysAsItIs) {
                                                                                                                    : 1;
         }
     }
+    EXPECT_TRUE(without.nearness.empty());
     EXPECT_LT(different, with.radiance.width() * with.radiance.height() / 1000) << different;
 }
 
