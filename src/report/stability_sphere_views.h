@@ -68,6 +68,8 @@ inline SphereSet cloud() {
     return set;
 }
 
+/// Layers of spheres that let light through (report/stability_sphere_layers.cpp).
+void add_sphere_layer_cases(std::vector<StabilityCase>& cases);
 /// How spheres are lit, covered and darkened there (report/stability_sphere_light.cpp).
 void add_sphere_light_cases(std::vector<StabilityCase>& cases);
 

@@ -1,5 +1,5 @@
-// Stiff cases of sphere sets: radii of all sizes, cameras within, spheres upon each other, one and none, opacities of
-// 0 and 1 and next to them; each pixel against the ray in double precision.
+// Stiff cases of sphere sets: radii of all sizes, cameras within, spheres upon each other, one and none; each pixel
+// against the ray in double precision.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,6 @@
 #include "gl/shader_library.h"
 #include "render/sphere_sets.h"
 #include "report/sphere_reference.h"
-#include "report/sphere_stage.h"
 #include "report/stability_cases.h"
 #include "report/stability_sphere_views.h"
 
@@ -99,72 +98,6 @@ StabilityCase depth_case(std::string name, double most, const std::function<Seen
             }};
 }
 
-/// The largest difference from every sphere in order in double precision, in light over black and in what is covered,
-/// of 1, off silhouettes and seams.
-double transparency_error(const SphereSet& set, TransparencyMethod method) {
-    const ReferenceView view = view_from({0.3, -2, 0.4}, {0, 0, 0}, 1.2 * sphere_case_side_px, 0.01);
-    SphereStage stage(set);
-    constexpr double hardly_any = 1e-6;
-    constexpr int most_layers = 1000;
-    stage.set_peeling(hardly_any, most_layers, method);
-    stage.draw(view, {});
-    const ImageF drawn = stage.picture();
-    SphereCaster rays;
-    rays.add_set(set);
-    const auto light_of = [&](const SpherePoint& point) { return stage.light_of(point); };
-    double largest = 0;
-    for (int y = 0; y < sphere_case_side_px; y += 3) {
-        for (int x = 0; x < sphere_case_side_px; x += 3) {
-            const auto layers = reference_layers(rays, view.ray_through(x, y), light_of);
-            // Floats may meet a sphere that a ray only grazes, and so may a pixel's neighbours.
-            if (layers.size() != reference_layers(rays, view.ray_through(x + 0.02, y + 0.02), light_of).size())
-                continue;
-            if (layers.size() != reference_layers(rays, view.ray_through(x - 0.02, y - 0.02), light_of).size())
-                continue;
-            const PeeledLight exact = peeled(layers, layers.size());
-            const auto off = [&](int channel, double expected) {
-                const double error = std::abs(static_cast<double>(drawn.at(x, y, channel)) - expected);
-                largest = std::isfinite(error) ? std::max(largest, error) : error;
-            };
-            for (int c = 0; c < 3; ++c) off(c, exact.light[c]);
-            off(3, 1 - exact.transmittance);
-        }
-    }
-    return largest;
-}
-
-bool keeps_order(TransparencyMethod method) {
-    return method == TransparencyMethod::lists || method == TransparencyMethod::peeling ||
-           method == TransparencyMethod::dual_peeling;
-}
-
-/// What keeps the order is exact at any opacity, the others where there is none or hardly any.
-void add_opacity_cases(std::vector<StabilityCase>& cases) {
-    // Half floats, and the light of a probe by float harmonics.
-    constexpr double rounding = 2e-3;
-    const auto add = [&](const std::string& name, TransparencyMethod method, const std::function<float(int)>& opacity) {
-        cases.push_back(
-            {"spheres", name, "largest difference from layers in order, of 1", {0, rounding}, {}, [method, opacity] {
-                 SphereSet set = cloud();
-                 for (int i = 0; i < static_cast<int>(set.size()); ++i) set.opacities.push_back(opacity(i));
-                 return StabilityOutcome{transparency_error(set, method)};
-             }});
-    };
-    for (const auto& [name, method] :
-         {std::pair("lists", TransparencyMethod::lists), std::pair("peeling", TransparencyMethod::peeling),
-          std::pair("dual peeling", TransparencyMethod::dual_peeling),
-          std::pair("weighted sum", TransparencyMethod::weighted_sum),
-          std::pair("weighted blended", TransparencyMethod::weighted_blended),
-          std::pair("moments", TransparencyMethod::moments)}) {
-        for (const float opacity : {0.0F, 1e-4F})
-            add(fmt::format("opacity {:g}, {}", opacity, name), method, [opacity](int) { return opacity; });
-        if (!keeps_order(method)) continue;
-        add(fmt::format("opacities 0, 1e-4, 0.5 and 1 together, {}", name), method, [](int i) {
-            return std::array{0.0F, 1e-4F, 0.5F, 1.0F}.at(static_cast<std::size_t>(i % 4));
-        });
-    }
-}
-
 }  // namespace
 
 std::vector<StabilityCase> sphere_cases() {
@@ -214,7 +147,7 @@ std::vector<StabilityCase> sphere_cases() {
                          const Seen seen = seen_of({}, view_from({0, -2, 0}, {0, 0, 0}, sphere_case_side_px, 0.01));
                          return StabilityOutcome{static_cast<double>(seen.covered)};
                      }});
-    add_opacity_cases(cases);
+    add_sphere_layer_cases(cases);
     add_sphere_light_cases(cases);
     return cases;
 }
