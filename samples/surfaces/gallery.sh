@@ -62,10 +62,29 @@ END
 picture() {
     "$matchlight" render "$folder/$1.toml" -o "$folder/$1.png" --level "${2:-preview}" --overwrite -q
 }
-# milliseconds NAME: of drawing its surfaces, the middle one of five.
+# drawn NAME: milliseconds of drawing its surfaces once.
+drawn() {
+    "$matchlight" render "$folder/$1.toml" --explain 0 --level preview | awk '$1 == "surface" && $2 == "drawn" { print $6 }'
+}
+# milliseconds NAME: the middle one of five.
 milliseconds() {
-    for _ in 1 2 3 4 5; do "$matchlight" render "$folder/$1.toml" --explain 0 --level preview; done |
-        awk '$1 == "surface" && $2 == "drawn" { print $6 }' | sort -n | sed -n 3p
+    for _ in 1 2 3 4 5; do drawn "$1"; done | sort -n | sed -n 3p
+}
+# added NAME...: to each the time that it adds to the flat stones, over what relief adds. All in turns, so that what else
+# the machine does slows them alike; the middle one of nine rounds.
+added() {
+    local name
+    for _ in 1 2 3 4 5 6 7 8 9; do
+        for name in flat relief "$@"; do echo "$name $(drawn "$name")"; done
+    done | sort -k1,1 -k2,2n | awk -v names="$*" '
+        { time[$1, ++count[$1]] = $2 }
+        function middle(name) { return time[name, 5] }
+        END {
+            n = split(names, name, " ")
+            for (i = 1; i <= n; ++i)
+                printf "%-24s adds %.2f of what relief adds\n", name[i],
+                       (middle(name[i]) - middle("flat")) / (middle("relief") - middle("flat"))
+        }'
 }
 
 page=$folder/index.html
@@ -111,6 +130,11 @@ relief|relief = "relief", relief_steps = 64|Policarpo, Oliveira & Comba 2005, Re
 cone_step|relief = "cone_step", relief_steps = 12|Dummer 2006, Cone Step Mapping
 sphere_tracing|relief = "sphere_tracing", relief_steps = 16|Donnelly 2005, Per-Pixel Displacement Mapping with Distance Functions
 END
+scene flat "shape = \"plane\"
+material = {$stones}" "$near"
+adding=$(added occlusion cone_step sphere_tracing)
+echo "$adding"
+echo "<tr><td colspan=5><pre>$adding</pre>" >> "$page"
 
 # Patterns: once as they are, once by many unfiltered samples a pixel.
 while IFS='|' read -r name settings orbit source; do

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
-"""Renders each glTF model of a folder, with its name, onto one page.
-
-Usage: samples/surfaces/model_sheet.py MODELS [OUT] [MATCHLIGHT]   (out/models and build/release/matchlight unless given)
-"""
+"""Renders each glTF model of a folder, with its name, onto one page."""
+import argparse
 import html
 import json
 import math
@@ -85,11 +83,15 @@ model = {json.dumps(str(model))}
 
 
 def main():
-    models = pathlib.Path(sys.argv[1]).resolve()
-    out = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else ROOT / "out/models")
-    matchlight = sys.argv[3] if len(sys.argv) > 3 else str(ROOT / "build/release/matchlight")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.ArgumentDefaultsHelpFormatter)
+    parser.add_argument("models", type=pathlib.Path, help="folder of .glb and .gltf files")
+    parser.add_argument("out", type=pathlib.Path, nargs="?", default=ROOT / "out/models", help="folder of the page")
+    parser.add_argument("matchlight", nargs="?", default=str(ROOT / "build/release/matchlight"), help="the program")
+    given = parser.parse_args()
+    models, out, matchlight = given.models.resolve(), given.out.resolve(), given.matchlight
     out.mkdir(parents=True, exist_ok=True)
     cells = []
+    all_rendered = True
     for model in sorted(models.rglob("*.gl*")):
         if model.suffix not in (".glb", ".gltf"):
             continue
@@ -100,6 +102,9 @@ def main():
         call = [matchlight, "render", str(scene), "-o", str(out / f"{name}.png"), "--level", "preview", "--overwrite"]
         result = subprocess.run(call, capture_output=True, text=True)
         told = [line for line in result.stderr.splitlines() if line.startswith(("error:", "warning:"))]
+        if result.returncode != 0:
+            all_rendered = False
+            told = told or [f"error: status {result.returncode}"]
         print(f"{name}: {'; '.join(told) or 'rendered'}", flush=True)
         uses = ", ".join(document.get("extensionsUsed", []))
         cells.append(f'<figure><img src="{html.escape(name)}.png"><figcaption><b>{html.escape(name)}</b><br>'
@@ -108,6 +113,7 @@ def main():
     page = out / "index.html"
     page.write_text(f'<!DOCTYPE html><meta charset="utf-8"><title>Models</title><style>{style}</style>' + "".join(cells))
     print(f"The page is {page}")
+    return 0 if all_rendered else 1
 
 
-main()
+sys.exit(main())

@@ -115,6 +115,7 @@ Lamps::Lamps(std::span<const LampSettings> lamps) : lamps_(lamps.begin(), lamps.
 }
 
 std::vector<Eigen::Matrix4d> Lamps::faces_of(const LampSettings& lamp, const Eigen::AlignedBox3d& casters_m) const {
+    if (casters_m.isEmpty()) return {};
     const Eigen::Vector3d centre_m = casters_m.center();
     const double radius_m = casters_m.diagonal().norm() / 2;
     if (!(radius_m > 0) || !lamp.casts_shadow || light_of(lamp).isZero(0)) return {};

@@ -168,6 +168,19 @@ TEST_F(LampScene, WithoutAProbeTheLampsAreAllTheLight) {
     EXPECT_TRUE(warnings_.empty());
 }
 
+TEST_F(LampScene, WhereNothingCastsALampReachesEverything) {
+    for (const LampType type : {LampType::directional, LampType::point, LampType::spot}) {
+        Shot shot = lit(false);
+        shot.scene.lamps[0].type = type;
+        shot.scene.objects[0].casts_shadow = false;
+        const CompositedFrame no_caster = composite(shot, true);
+        shot.scene.lamps[0].casts_shadow = false;
+        const CompositedFrame no_shadow = composite(shot, true);
+        EXPECT_TRUE(std::ranges::equal(no_caster.rgb16().samples(), no_shadow.rgb16().samples()))
+            << static_cast<int>(type);
+    }
+}
+
 TEST_F(LampScene, LampsAreLeftOutWhereThereAreNoneAndOneWithoutLightChangesNoBit) {
     const CompositedFrame without = composite(make_shot(), true);
     EXPECT_FALSE(was_drawn("shadow/of lamps"));
