@@ -94,14 +94,17 @@ cat > "$page" <<END
 <h1>Surfaces</h1><table><tr><th>technique<th>picture<th>reference<th>FLIP<th>time
 END
 
-# row NAME REFERENCE SOURCE: the two pictures, how far apart they are, how much longer the first took.
+# row NAME REFERENCE SOURCE [SETTINGS]: the two pictures, how far apart they are, how much longer the first took than a
+# reference of ours.
 row() {
-    local flip time reference_time ratio
+    local flip time reference_time ratio=
     flip=$("$matchlight" compare "$folder/$2.png" "$folder/$1.png" 2>/dev/null | awk '$1 == "mean" { print $2 }')
-    time=$(milliseconds "$1") reference_time=$(milliseconds "$2")
-    ratio=$(awk -v a="${time:-0}" -v b="${reference_time:-0}" 'BEGIN { if (b > 0) printf "%.2f", a / b; else printf "?" }')
-    echo "<tr><td><b>$1</b><br>$3<td><img src=\"$1.png\"><td><img src=\"$2.png\"><br>$2<td>$flip<td>$ratio of the reference" >> "$page"
-    printf '%-24s FLIP %-8s time %s of the reference\n' "$1" "$flip" "$ratio"
+    if [ -e "$folder/$2.toml" ]; then
+        time=$(milliseconds "$1") reference_time=$(milliseconds "$2")
+        ratio=$(awk -v a="${time:-0}" -v b="${reference_time:-0}" 'BEGIN { if (b > 0) printf "%.2f of the reference", a / b }')
+    fi
+    echo "<tr><td><b>$1</b><br>$3${4:+<br><code>$4</code>}<td><img src=\"$1.png\"><td><img src=\"$2.png\"><br>$2<td>$flip<td>$ratio" >> "$page"
+    printf '%-24s FLIP %-8s %s\n' "$1" "$flip" "${ratio:+time $ratio}"
 }
 
 near='target = [0, 0, 0], radius = 0.5, elevation_deg = 50, from_deg = -90'
@@ -174,7 +177,53 @@ material = {$stones, layers = [{texture = \"$pictures/moss.png\", alpha = 0.8}, 
 picture layers
 echo "<tr><td><b>layers</b><br>MT(n) = T(n)·a + MT(n−1)·(1−a)<td><img src=\"layers.png\"><td>its numbers: tests/gpu/surface_pattern_test.cpp<td><td>" >> "$page"
 
-# What is done to colours, beside the same as it was.
+# ball NAME SHADING [EFFECTS]: the ball of classic_reference.py, beside what that draws in double precision.
+ball() {
+    cat > "$folder/$1.toml" <<END
+[camera]
+width = 240
+height = 180
+frames = 1
+vertical_fov_deg = 30
+keys = [{frame = 0, eye = [0, -2.2, 0], target = [0, 0, 0]}]
+[background]
+color = [0.2, 0.2, 0.2]
+[[light]]
+type = "directional"
+direction = [0.5, 0.7, -0.6]
+intensity = 3
+[[object]]
+shape = "sphere"
+casts_shadow = false
+material = {shading = "$2", diffuse = [0.7, 0.25, 0.15], specular = [0.6, 0.6, 0.6], shininess = 40, tones = 4}
+[effects]
+${3:-}
+END
+    picture "$1"
+    samples/surfaces/classic_reference.py "$1" "$folder/$1_in_doubles.png"
+    row "$1" "$1_in_doubles" "$4" "${3:-shading = \"$2\"}"
+}
+ball phong phong "" "Phong 1975, Illumination for Computer Generated Pictures"
+ball blinn_phong blinn_phong "" "Blinn 1977, Models of Light Reflection for Computer Synthesized Pictures"
+ball cartoon cartoon "" "Lake et al. 2000, Stylized Rendering Techniques for Scalable Real-Time 3D Animation"
+ball gooch gooch "" "Gooch et al. 1998, A Non-Photorealistic Lighting Model for Automatic Technical Illustration"
+ball depth_cue phong "depth_cue = {near = 1.6, far = 1.9, color = [0.2, 0.2, 0.2]}" "linear fog, as PHIGS and OpenGL have it"
+while IFS='|' read -r name settings source; do
+    ball "$name" phong "color_transform = {$settings}" "$source"
+done <<'END'
+brightness|brightness = 0.15|
+contrast|contrast = 1.6|
+fade|fade = 0.5, fade_color = [0.8, 0.85, 0.9]|
+grey_hsv|grey = "hsv"|Smith 1978, Color Gamut Transform Pairs
+grey_average|grey = "average"|
+grey_yiq|grey = "yiq"|NTSC 1953
+tinted_grey|grey = "yiq", tint = [1, 0.82, 0.6]|
+hue_hsv|hue_deg = 120|Smith 1978, Color Gamut Transform Pairs
+hue_yiq|model = "yiq", hue_deg = 120|NTSC 1953
+matrix|red_from = [0, 0, 1], blue_from = [1, 0, 0]|
+END
+
+# What else is done to colours, beside the same as it was.
 printf 'LUT_3D_SIZE 2\n%s\n' '0.05 0 0.15
 1 0.3 0
 0.1 0.6 0.3
@@ -194,17 +243,7 @@ $settings" "$whole"
     picture "$name"
     echo "<tr><td><b>$name</b><br><code>$settings</code><br>$source<td><img src=\"$name.png\"><td><img src=\"colors.png\"><br>untouched; its numbers: tests/gpu/color_transform_test.cpp<td><td>" >> "$page"
 done <<END
-brightness|color_transform = {brightness = 0.15}|
-contrast|color_transform = {contrast = 1.6}|
 table|color_transform = {table = "warm.cube"}|
-fade|color_transform = {fade = 0.5, fade_color = [0.8, 0.85, 0.9]}|
-grey_hsv|color_transform = {grey = "hsv"}|Smith 1978, Color Gamut Transform Pairs
-grey_average|color_transform = {grey = "average"}|
-grey_yiq|color_transform = {grey = "yiq"}|NTSC 1953
-tinted_grey|color_transform = {grey = "yiq", tint = [1, 0.82, 0.6]}|
-hue_hsv|color_transform = {hue_deg = 120}|Smith 1978, Color Gamut Transform Pairs
-hue_yiq|color_transform = {model = "yiq", hue_deg = 120}|NTSC 1953
-matrix|color_transform = {red_from = [0, 0, 1], blue_from = [1, 0, 0]}|
 mask|color_transform = {grey = "yiq", mask = "$pictures/cells.png"}|
 repeated_blur|repeated_blur = {passes = 4, radius_px = 2}|Wells 1986, Efficient Synthesis of Gaussian Filters by Cascaded Uniform Filters
 END

@@ -126,7 +126,7 @@ float lamp_seen_along_rays(LampLight light, vec3 world_position, vec3 side) {
 }
 #endif
 
-// `side` as for rays; `n` the normal that shades.
+// `side` as for rays; `n` the normal of what casts.
 float lamp_share_left(Lamp lamp, LampLight light, vec3 world_position, vec3 n, vec3 side) {
     if (surface_hides_lamps && world_position.z > surface_z_m &&
         (lamp_has(lamp, lamp_is_placed) ? lamp.place_kind.z < surface_z_m : lamp.place_kind.z < 0.0))
@@ -135,6 +135,9 @@ float lamp_share_left(Lamp lamp, LampLight light, vec3 world_position, vec3 n, v
     if (lamp.cone_shadow.w > 0.0) left = lamp_seen_through_maps(lamp, light, world_position, n);
 #ifdef RAYS
     if (lamp_rays > 0 && left > 0.0 && lamp.cone_shadow.z >= 0.0) left *= lamp_seen_along_rays(light, world_position, side);
+#endif
+#ifdef RELIEF_SHADOW
+    if (left > 0.0 && lamp.cone_shadow.z >= 0.0) left *= relief_light_left(light.to_lamp, light.size);
 #endif
     return left;
 }

@@ -1,5 +1,5 @@
 // Classic shading in place of a physical material: of the lamps of the scene or, where it has none, of the bright parts of
-// its probe, and of the rest of the probe's light as ambient. Include common/lamp_shadow.glsl before.
+// its probe, and of the rest of the probe's light as ambient. Include surface/lamp_light.glsl before.
 // Phong 1975, "Illumination for Computer Generated Pictures"; Blinn 1977, "Models of Light Reflection for Computer Synthesized
 // Pictures"; Lake, Marshall, Harris & Blackstein 2000, "Stylized Rendering Techniques for Scalable Real-Time 3D Animation"
 // (cartoon); Gooch, Gooch, Shirley & Cohen 1998, "A Non-Photorealistic Lighting Model for Automatic Technical Illustration".
@@ -57,7 +57,7 @@ vec3 classic_radiance(ClassicSurface surface, vec3 world_position, vec3 side) {
         towards += weight * cosine;
         weights += weight;
         if (shading_model != gooch && (cosine <= 0.0 || weight == 0.0)) continue;
-        float left = shading_model == gooch ? 1.0 : lamp_share_left(lamps[i], light, world_position, surface.n, side);
+        float left = shading_model == gooch ? 1.0 : lamp_share_left(lamps[i], light, world_position, unmapped_normal, side);
         float glint = highlight(surface.n, surface.v, light.to_lamp);
         if (is_drawn) glint = step(0.5, glint);
         lit += white * (shading_model == cartoon ? tone_of(left * cosine) : left * max(cosine, 0.0));

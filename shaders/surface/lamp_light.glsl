@@ -2,6 +2,9 @@
 // correlated masking (Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"; Heitz 2014), and what
 // it loses between facets as if diffuse (common/scattering.glsl). Include common/lamp_shadow.glsl before.
 
+// The normal without what maps make of it, towards the eye: what casts has no maps, and a point is lifted off that.
+vec3 unmapped_normal;
+
 struct LampLobe {
     vec3 n;
     vec2 alpha2;   // of its core: along `stretched` and across it
@@ -74,7 +77,7 @@ vec3 lamp_radiance(LampSurface surface, vec3 world_position, vec3 side) {
         most = max(most, dot(surface.coat.n, light.to_lamp));
 #endif
         if (most <= 0.0 || all(equal(light.irradiance, vec3(0.0)))) continue;
-        float left = lamp_share_left(lamp, light, world_position, surface.lobe.n, side);
+        float left = lamp_share_left(lamp, light, world_position, unmapped_normal, side);
         if (left == 0.0) continue;
         vec3 sent = vec3(0.0);
         if (cosine > 0.0) {

@@ -1,5 +1,6 @@
 // Where the ray from the eye meets the heights that a map carves into a surface. RELIEF: which way it is found, by
-// ReliefMethod (scene/surface_detail.h). Outlines, and where the surface is for light, stay those of the flat surface.
+// ReliefMethod (scene/surface_detail.h). Outlines, and where the surface is for light, stay those of the flat surface; of a
+// lamp's light the heights take what they hide.
 #define RELIEF_BUMP 0
 #define RELIEF_PARALLAX 1
 #define RELIEF_OCCLUSION 2
@@ -19,8 +20,15 @@ uniform vec2 relief_extent;               // of the map on the surface, in depth
 // What is seen in place of the flat surface.
 vec2 relief_uv;
 vec3 relief_normal;
+vec3 relief_flat_normal;
 float relief_share = 1.0;  // of the way from the eye that the flat surface is at
 #define inverse_z() (gl_FragCoord.w * relief_share)
+#if RELIEF >= RELIEF_OCCLUSION && defined(LAMPS)
+#define RELIEF_SHADOW
+mat2x3 relief_gradients;
+float relief_depth;        // that the ray from the eye met the ground at
+float relief_lod;
+#endif
 
 #if RELIEF != RELIEF_BUMP
 layout(depth_less) out float gl_FragDepth;
@@ -133,9 +141,42 @@ mat2x3 uv_gradients(vec3 dx, vec3 dy, vec2 uv_dx, vec2 uv_dy) {
     return mat2x3(across * uv_dx.x + up * uv_dy.x, across * uv_dx.y + up * uv_dy.y);
 }
 
+#ifdef RELIEF_SHADOW
+// The share of a lamp, whose half angle is `size`, that the ground around leaves to what is seen: the least clearance of a
+// ray to its middle, as an angle, against the lamp's disc. Policarpo, Oliveira & Comba 2005, the penumbra as Tatarchuk 2006.
+float relief_light_left(vec3 to_lamp, float size) {
+    if (relief_gradients == mat2x3(0.0) || relief_depth <= 0.0) return 1.0;
+    // A lamp below the flat surface is behind its ground.
+    float cosine = dot(relief_flat_normal, to_lamp);
+    if (cosine <= 0.0) return 0.0;
+    const float least_cosine = 1e-3;
+    cosine = max(cosine, least_cosine);
+    vec2 uv_per_m = to_lamp * relief_gradients;
+    vec2 texels_per_m = abs(uv_per_m) * vec2(textureSize(relief_map, 0)) * exp2(-relief_lod);
+    float texel_m = 1.0 / max(max(texels_per_m.x, texels_per_m.y), 1e-6);
+    // Slopes are known to a texel or two: nearer, the ground is as flat as the normal says.
+    const float first_texels = 1.5, sharpness_texels = 0.1;
+    float way_m = relief_depth * relief_depth_m / cosine;
+    float step_m = way_m / float(relief_steps);
+    float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    float left = 1.0;
+    for (float at_m = max(step_m, first_texels * texel_m); at_m < way_m && left > 0.0; at_m += step_m) {
+        float depth = relief_depth * (1.0 - at_m / way_m);
+        float gap = 1.0 - textureLod(relief_map, relief_uv + at_m * uv_per_m, relief_lod).r - depth;
+        float clear_m = gap * relief_depth_m * sine;
+        left = min(left, 0.5 + 0.5 * clear_m / (size * at_m + sharpness_texels * texel_m));
+    }
+    return max(left, 0.0);
+}
+#endif
+
 bool see() {
     relief_uv = material_uv;
     relief_normal = world_normal;
+    relief_flat_normal = normalize(world_normal);
+#ifdef RELIEF_SHADOW
+    relief_gradients = mat2x3(0.0);
+#endif
     relief_uv_dx = dFdx(material_uv);
     relief_uv_dy = dFdy(material_uv);
     vec3 dx = dFdx(world_position), dy = dFdy(world_position);
@@ -145,7 +186,7 @@ bool see() {
     mat2x3 gradients = uv_gradients(dx, dy, relief_uv_dx, relief_uv_dy);
     // From behind the carving is not seen.
     if (!front_facing || gradients == mat2x3(0.0)) return true;
-    vec3 n = normalize(world_normal);
+    vec3 n = relief_flat_normal;
 #if RELIEF != RELIEF_BUMP
     vec3 towards = world_position - eye_world;
     float way_m = length(towards);
@@ -160,6 +201,11 @@ bool see() {
                               0.5 * log2(max(span2, 1.0)));
     float depth = depth_met(ray, cosine);
     relief_uv += depth * ray.uv_per_depth;
+#ifdef RELIEF_SHADOW
+    relief_gradients = gradients;
+    relief_depth = depth;
+    relief_lod = ray.lod;
+#endif
     relief_share = way_m / (way_m + depth * relief_depth_m / cosine);
     gl_FragDepth = gl_FragCoord.z * relief_share;
 #endif

@@ -408,10 +408,16 @@ void main() {
 #endif
 #endif
 #ifdef LAMPS
+#ifdef RELIEF
+    unmapped_normal = front_facing ? relief_flat_normal : -relief_flat_normal;
+#else
+    unmapped_normal = n;
+    if ((material_textures & has_normal) != 0) unmapped_normal = normalize(front_facing ? world_normal : -world_normal);
+#endif
 #ifdef RAYS
     vec3 lamp_side = seen_side;
 #else
-    vec3 lamp_side = n;
+    vec3 lamp_side = unmapped_normal;
 #endif
 #ifdef CLASSIC_SHADING
     if (shading_model != 0) {

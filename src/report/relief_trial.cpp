@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/transforms.h"
+#include "render/lamps.h"
 #include "report/relief_reference.h"
 
 namespace matchlight {
@@ -108,6 +109,17 @@ void ReliefTrial::draw(SurfaceRenderer& renderer) const {
 ImageF ReliefTrial::picture(SurfaceRenderer& renderer) const {
     const SurfacePicture drawn = renderer.draw(environment_, view_);
     return drawn.color->read<float>({0, 0, width, height}, 3);
+}
+
+ImageF ReliefTrial::picture(SurfaceRenderer& renderer, const LampSettings& lamp) const {
+    Lamps lamps(std::span(&lamp, 1));
+    lamps.draw_maps(
+        shaders_, {renderer.shadow_caster_bounds_m(), [&](Program& program) { renderer.draw_shadow_casters(program); }},
+        {.resolution = 4096}, true);
+    SurfaceShading shading;
+    shading.has_lamps = true;
+    shading.bind = [&](Program& program) { lamps.bind(program); };
+    return renderer.draw(environment_, view_, shading).color->read<float>({0, 0, width, height}, 3);
 }
 
 ImageF ReliefTrial::depth_m(SurfaceRenderer& renderer) const {

@@ -7,6 +7,7 @@
 #include "lighting/probe.h"
 #include "render/environment.h"
 #include "render/surface.h"
+#include "scene/lamp.h"
 #include "scene/surface_pictures.h"
 
 namespace matchlight {
@@ -23,6 +24,8 @@ public:
     void draw(SurfaceRenderer& renderer) const;
     /// What draw() draws: RGB light.
     ImageF picture(SurfaceRenderer& renderer) const;
+    /// The same under a lamp besides, which shows what casts by maps.
+    ImageF picture(SurfaceRenderer& renderer, const LampSettings& lamp) const;
     /// Metres along the camera's z.
     ImageF depth_m(SurfaceRenderer& renderer) const;
 

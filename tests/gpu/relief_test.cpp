@@ -81,6 +81,25 @@ TEST_F(Relief, IsNearTheDisplacedSurface) {
     EXPECT_LT(relief, 0.2 * parallax);
 }
 
+TEST_F(Relief, ShadesItselfAsTheDisplacedSurfaceDoes) {
+    const ReliefTrial trial(shaders_, uniform_probe(0.05));
+    for (const double angle_deg : {0.0, 6.0}) {
+        LampSettings lamp{.type = LampType::directional, .intensity = 3, .direction = {1, 0.4, -0.6}};
+        lamp.angle_deg = angle_deg;
+        const ImageF reference = trial.picture(*trial.displaced(), lamp);
+        for (const ReliefMethod method :
+             {ReliefMethod::occlusion, ReliefMethod::relief, ReliefMethod::cone_step, ReliefMethod::sphere_tracing}) {
+            const auto carved = trial.renderer(method, 64);
+            LampSettings no_shadow = lamp;
+            no_shadow.casts_shadow = false;
+            const double with = mean_flip(reference, trial.picture(*carved, lamp));
+            const double without = mean_flip(reference, trial.picture(*carved, no_shadow));
+            EXPECT_LT(with, 0.03) << angle_deg << ' ' << static_cast<int>(method);
+            EXPECT_GT(without, 2 * with) << angle_deg << ' ' << static_cast<int>(method);
+        }
+    }
+}
+
 TEST_F(Relief, HasTheDepthOfTheDisplacedSurface) {
     const ReliefTrial trial(shaders_, uniform_probe(1));
     const ImageF reference = trial.depth_m(*trial.displaced());
