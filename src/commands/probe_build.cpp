@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -46,7 +47,9 @@ struct ProbeBuildCall {
     std::vector<double> reflectance, place;
     std::vector<std::string> diffuse_ball;
     std::vector<double> diffuse_circle, diffuse_albedo;
-    bool no_plane = false, no_parallax = false, no_sun_from_tags = false, no_deghost = false;
+    bool no_plane = false, no_sun_from_tags = false, no_deghost = false;
+    BallParallax parallax = BallParallax::full;
+    int samples_a_side = 2;
     double camera_deg = 8;
 };
 
@@ -188,7 +191,8 @@ BallBuildOptions build_options(const ProbeBuildCall& call, Warnings& warnings) {
     BallBuildOptions options;
     options.ball_radius_m = call.ball_radius_m;
     options.plane = !call.no_plane;
-    options.parallax = !call.no_parallax;
+    options.parallax = call.parallax;
+    options.samples_a_side = call.samples_a_side;
     options.sun_from_tags = !call.no_sun_from_tags;
     options.camera_deg = call.camera_deg;
     for (const auto& circle : call.circles) options.circles.push_back({{circle[0], circle[1]}, circle[2]});
@@ -300,8 +304,20 @@ void add_probe_build_command(CLI::App& probe, CommandContext& context) {
         ->type_name("METRES");
     command->add_flag("--no-plane", call->no_plane,
                       "Take everything as far away, also what lies on the tags' plane, with the ball's shadow on it");
-    command->add_flag("--no-parallax", call->no_parallax,
-                      "Take what the views show in different places as far away too, and mix them there");
+    const std::map<std::string, BallParallax> parallaxes{
+        {"off", BallParallax::off}, {"coarse", BallParallax::coarse}, {"full", BallParallax::full}};
+    command
+        ->add_option("--parallax", call->parallax,
+                     "How finely to look for what stands near the ball: off (all is far away, and mixed where views "
+                     "differ), coarse, full (default)")
+        ->transform(CLI::CheckedTransformer(parallaxes).description("{off,coarse,full}"));
+    command->add_flag_callback(
+        "--no-parallax", [call] { call->parallax = BallParallax::off; }, "The same as --parallax off");
+    command
+        ->add_option("--samples", call->samples_a_side,
+                     "Directions looked up along either side of a pixel of the probe (default: 2)")
+        ->check(CLI::Range(1, 16).description(""))
+        ->type_name("N");
     command
         ->add_option(
             "--sun-from-diffuse-ball", call->diffuse_ball,

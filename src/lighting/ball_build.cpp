@@ -109,6 +109,7 @@ BallBuild build_ball_probe(std::vector<BallView> views, const BallBuildOptions& 
     unwrap.height = options.height;
     unwrap.camera_deg = options.camera_deg;
     unwrap.parallax = options.parallax;
+    unwrap.samples_a_side = options.samples_a_side;
     unwrap.place_m = options.place_m.value_or(build.ball.centre_m);
     build.place_m = unwrap.place_m;
     build.probe = probe_from_balls(scene, unwrap);

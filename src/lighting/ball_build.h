@@ -32,7 +32,8 @@ struct BallBuildOptions {
     std::optional<Eigen::Vector3d> reflectance;      // head on; absent: by the plane and its mirror image, else 1
     std::optional<Eigen::Vector3d> place_m;          // that the probe is for; absent: the ball's centre
     bool plane = true;                               // look up what lies on the rig's plane where it is
-    bool parallax = true;                            // BallProbeOptions
+    BallParallax parallax = BallParallax::full;      // BallProbeOptions
+    int samples_a_side = 2;                          // BallProbeOptions
     bool sun_from_tags = true;                       // solve the energy of clipped lights by the tags' paper
     std::optional<DiffuseBallOptions> diffuse_ball;  // or by this ball
     int height = 0;                                  // rows of the lat-long map; 0: what the ball holds

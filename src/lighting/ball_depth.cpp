@@ -11,14 +11,11 @@
 namespace matchlight {
 namespace {
 
-/// Steps of nearness, which are half a pixel each, within which a place lies on a view's surface, and beyond which it
-/// lies before or behind it.
+/// Steps of nearness, which are half a pixel of the maps each. A place lies on a view's surface where they differ by no
+/// more than the pixel that the maps round to, before or behind it where by more than the two pixels of two maps.
 constexpr double on_surface_steps = 2, off_surface_steps = 4;
-/// Past this a view does not show what lies behind its surface.
-constexpr double hidden_steps = 1.5;
-
-/// Stops: by less, noise and stretched pixels differ too.
-constexpr float sure_ev = 0.1F;
+/// Past the same pixel a view does not show what lies behind its surface.
+constexpr double hidden_steps = on_surface_steps;
 
 }  // namespace
 

@@ -15,14 +15,19 @@
 namespace matchlight {
 namespace {
 
-/// Stops: where views differ by more than this, more tells no more.
-constexpr double most_ev = 1;
+/// Stops: past a factor of two views contradict each other, and by how much tells only how bright a lamp is that lies
+/// in the one's pixel and not in the other's.
+constexpr float most_ev = 1;
+/// Costs are means over three pixels each way: one that is stretched over more has nothing around it to be compared.
 constexpr double most_stretched = 3;
 /// Cost where no other view shows a place: neither a match nor a contradiction.
-constexpr float unknown_cost = 0.6F;
-/// What the nearest costs more than the farthest: where parallax tells nothing, things are far.
-constexpr float nearness_cost = 0.05F;
-constexpr LabelPenalties penalties = {0.1F, 1.0F, 0.5F};
+constexpr float unknown_cost = most_ev / 2;
+/// What the nearest costs more than the farthest, less than views differ by that show the same: where parallax tells
+/// nothing, things are far.
+constexpr float nearness_cost = sure_ev / 2;
+/// A slope of half a pixel of parallax a pixel is as good as views that show the same; a jump is worth one pixel that
+/// contradicts, and half of that where the picture has an edge of half a stop, as dark things before light ones have.
+constexpr LabelPenalties penalties = {sure_ev, most_ev, most_ev / 2};
 
 Eigen::Vector3d vector_at(const ImageF& image, int x, int y) {
     return Eigen::Map<const Eigen::Vector3f>(image.pixel(x, y)).cast<double>();
@@ -98,7 +103,7 @@ public:
                 const auto light = light_of(u, seen.towards);
                 if (!light) continue;
                 const double difference = (*light - vector_at(map.light, x, y)).cwiseAbs().mean();
-                differences[static_cast<std::size_t>(l)] += static_cast<float>(std::min(most_ev, difference));
+                differences[static_cast<std::size_t>(l)] += static_cast<float>(std::min<double>(most_ev, difference));
                 ++counts[static_cast<std::size_t>(l)];
             }
         }
@@ -139,21 +144,37 @@ double best_label(const float* sums, int labels) {
     return bend > 0 ? best + 0.5 * (before - after) / bend : best;
 }
 
+/// How far apart the points of the ball lie in which two of its views show the same: halfway between eye and direction,
+/// so that eyes at an angle a about the ball see it a half of a apart, as seen from the ball's middle, give or take.
+double widest_apart_m(const BallScene& scene) {
+    double widest = 0;
+    for (const BallView& one : scene.views) {
+        const Eigen::Vector3d first = (one.eye_m() - scene.ball.centre_m).normalized();
+        for (const BallView& other : scene.views) {
+            const Eigen::Vector3d second = (other.eye_m() - scene.ball.centre_m).normalized();
+            const double angle = std::atan2(first.cross(second).norm(), first.dot(second));
+            widest = std::max(widest, 2 * scene.ball.radius_m * std::sin(angle / 4));
+        }
+    }
+    return widest;
+}
+
 }  // namespace
 
 NearnessScale nearness_scale(const BallScene& scene, int height) {
     const double radius_m = scene.ball.radius_m;
-    double pixel = std::numbers::pi / height;
+    const double apart_m = widest_apart_m(scene);
     NearnessScale scale;
-    // Two points of the ball that show the same lie about a radius apart.
-    scale.step = 0.5 * pixel / radius_m;
+    if (!(apart_m > 0)) return scale;
+    double pixel = std::numbers::pi / height;
+    scale.step = 0.5 * pixel / apart_m;
     scale.farthest = 1e-6 / radius_m;
-    // Nothing but the plane comes closer than this.
+    // Nothing but the plane comes closer than this: closer things would hide the ball from its cameras.
     constexpr double closest_radii = 2.5;
     scale.steps = static_cast<int>(std::ceil(1 / (closest_radii * radius_m) / scale.step));
-    // A lamp's picture, of one pixel or a few, differs from view to view by their shapes.
+    // A lamp of a pixel or less is drawn wherever in the pixel of each of two views it falls: a pixel off in each.
     for (const BallView& view : scene.views) pixel = std::max(pixel, finest_pixel(view, scene.ball));
-    scale.far = 3 * pixel / radius_m;
+    scale.far = 2 * pixel / apart_m;
     return scale;
 }
 

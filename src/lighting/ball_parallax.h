@@ -14,6 +14,10 @@
 
 namespace matchlight {
 
+/// Stops: what views differ by that show the same, by noise, by compression, and by the different shapes of their
+/// pixels where light is not even.
+inline constexpr float sure_ev = 0.1F;
+
 /// A view's reflections by their own directions: lat-long, world axes.
 struct BallDepthMap {
     ImageF point_m;             // RGB as x y z: where on the ball the direction is reflected
@@ -23,12 +27,16 @@ struct BallDepthMap {
     LabelCosts costs{0, 0, 0};  // stops that the other views' light differs by, at every step of nearness
 };
 
-/// Which nearness is told from which.
+/// Which nearness is told from which. Parallax, in radians, is nearness times how far apart on the ball the views show
+/// the same.
 struct NearnessScale {
     double step = 0;      // 1/m: half a pixel of the maps
     double far = 0;       // 1/m: what is less near is far away: its parallax is lost in the photographs' pixels
     double farthest = 0;  // 1/m: stands for 0 where a place is needed; its parallax is a millionth of a radian
     int steps = 0;        // the nearest
+
+    /// Whether anything is so near that it is told from what is far: not of one view, nor of views from one side.
+    bool tells() const { return steps > 0 && far <= steps * step; }
 };
 
 NearnessScale nearness_scale(const BallScene& scene, int height);

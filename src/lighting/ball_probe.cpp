@@ -22,25 +22,25 @@ namespace matchlight {
 namespace {
 
 using std::numbers::pi;
-/// Finer parallax than this takes long and tells little.
-constexpr int most_depth_rows = 256;
+constexpr int coarse_depth_rows = 64, full_depth_rows = 256;
 
 /// What a direction shows that lies in pixel (x, y) of the map.
 using DirectionLight = std::function<Gathered(const Eigen::Vector3d& towards, int x, int y)>;
 
 /// Every pixel of the map, of those where `of_pixel` says so, by its samples, which count alike.
-void gather(BallProbe& probe, const DirectionLight& light_of, const std::function<bool(int x, int y)>& of_pixel) {
+void gather(BallProbe& probe, const MapSamples& samples, const DirectionLight& light_of,
+            const std::function<bool(int x, int y)>& of_pixel) {
     const int width = probe.radiance.width(), height = probe.radiance.height();
     parallel_for(height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             if (!of_pixel(x, y)) continue;
             Gathered sum;
             double met = 0;
-            for (const auto& [across, down] : map_samples) {
+            for (const auto& [across, down] : samples) {
                 const Gathered one = light_of(latlong_direction(x + across, y + down, width, height), x, y);
                 if (one.weight <= 0) continue;
                 sum.add(one, 1 / one.weight);
-                met += 1.0 / map_samples.size();
+                met += 1.0 / samples.size();
             }
             probe.seen.at(x, y) = static_cast<float>(met);
             probe.clipped.at(x, y) = 0;
@@ -55,17 +55,17 @@ void gather(BallProbe& probe, const DirectionLight& light_of, const std::functio
 }
 
 /// The mean over a pixel's samples of one over how far away is what they show.
-ImageF nearness_map(int height,
+ImageF nearness_map(int height, const MapSamples& samples,
                     const std::function<double(const Eigen::Vector3d& towards, int x, int y)>& nearness_of) {
     const int width = 2 * height;
     ImageF map(width, height, 1);
     parallel_for(height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             double sum = 0;
-            for (const auto& [across, down] : map_samples) {
+            for (const auto& [across, down] : samples) {
                 sum += nearness_of(latlong_direction(x + across, y + down, width, height), x, y);
             }
-            map.at(x, y) = static_cast<float>(sum / map_samples.size());
+            map.at(x, y) = static_cast<float>(sum / samples.size());
         }
     });
     return map;
@@ -122,10 +122,13 @@ BallProbe probe_from_balls(const BallScene& whole_scene, const BallProbeOptions&
                     {},
                     0,
                     0};
-    const std::optional<BallDepth> depth =
-        options.parallax && views.size() > 1
-            ? std::optional<BallDepth>(std::in_place, scene, options.place_m, unwrap, std::min(height, most_depth_rows))
-            : std::nullopt;
+    const MapSamples samples = map_samples(options.samples_a_side);
+    std::optional<BallDepth> depth;
+    const int depth_rows =
+        std::min(height, options.parallax == BallParallax::coarse ? coarse_depth_rows : full_depth_rows);
+    if (options.parallax != BallParallax::off && nearness_scale(scene, depth_rows).tells()) {
+        depth.emplace(scene, options.place_m, unwrap, depth_rows);
+    }
     const auto parallax_nearness = [&](int x, int y) {
         return depth ? depth->nearness(x * depth->height() / height, y * depth->height() / height) : 0;
     };
@@ -138,7 +141,7 @@ BallProbe probe_from_balls(const BallScene& whole_scene, const BallProbeOptions&
             visible.push_back(std::max(1e-4, depth->visible(v, towards, nearness)));
         return unwrap.near_light({options.place_m, towards, nearness}, visible);
     };
-    gather(probe, light_of, [](int, int) { return true; });
+    gather(probe, samples, light_of, [](int, int) { return true; });
 
     std::optional<BallTable> table;
     if (scene.plane && scene.plane->height_m(options.place_m) > 0) {
@@ -147,13 +150,13 @@ BallProbe probe_from_balls(const BallScene& whole_scene, const BallProbeOptions&
         table.emplace(scene, options, unwrap, first);
         const auto take_table = [&] {
             gather(
-                probe,
+                probe, samples,
                 [&](const Eigen::Vector3d& towards, int x, int y) {
                     const auto place_m = table->place(towards);
                     return place_m ? table->light(towards, *place_m, y) : light_of(towards, x, y);
                 },
                 [&](int x, int y) {
-                    return std::ranges::any_of(map_samples, [&](const auto& sample) {
+                    return std::ranges::any_of(samples, [&](const auto& sample) {
                         return table->place(latlong_direction(x + sample.first, y + sample.second, width, height))
                             .has_value();
                     });
@@ -167,7 +170,7 @@ BallProbe probe_from_balls(const BallScene& whole_scene, const BallProbeOptions&
         take_table();
     }
     if (table || depth) {
-        probe.nearness = nearness_map(height, [&](const Eigen::Vector3d& towards, int x, int y) {
+        probe.nearness = nearness_map(height, samples, [&](const Eigen::Vector3d& towards, int x, int y) {
             const auto place_m = table ? table->place(towards) : std::nullopt;
             return place_m ? 1 / (*place_m - options.place_m).norm() : parallax_nearness(x, y);
         });

@@ -14,11 +14,20 @@
 
 namespace matchlight {
 
+/// How finely parallax is looked for; the time grows with the cube of the maps' rows.
+enum class BallParallax {
+    off,     // everything is far away
+    coarse,  // in maps of 64 rows: what is near is found, its outline within 3°
+    full     // as finely as the ball shows it, in 256 rows at most
+};
+
 struct BallProbeOptions {
     int height = 0;         // rows of the lat-long map; 0: what the ball's pixels hold
     double camera_deg = 8;  // around a view's own camera nothing is taken from it, where another view shows it
     Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  // that the probe is for: the ball's centre, or near it
-    bool parallax = true;  // find what is near by two views or more, and show it as it is seen from `place_m`
+    BallParallax parallax =
+        BallParallax::full;  // find what is near by two views or more, show it as seen from `place_m`
+    int samples_a_side = 2;  // directions looked up in a pixel of the map, squared: the ball's pixels are about as fine
 };
 
 /// Lat-long, world axes.
@@ -45,7 +54,8 @@ struct BallScene {
 /// direction, not near the ball's rim, and not where it shows its own camera.
 ///
 /// With two views: what is near by their parallax (BallDepth) is shown as it is seen from `place_m`, from the views
-/// that see it; so is what lies behind it. `nearness` is empty where neither parallax nor a plane tells any.
+/// that see it; so is what lies behind it. Where they stand so close together that parallax tells nothing, and where
+/// nothing is near, that changes no bit. `nearness` is empty where neither parallax nor a plane tells any.
 ///
 /// With a plane: a ray that leads down to it ends at a known place, so it is looked up where each view shows that
 /// place, reflected or, where reflections are too coarse or hidden, directly; the ball's own shadow is taken off

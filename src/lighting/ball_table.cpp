@@ -115,6 +115,7 @@ void BallTable::draw_print(BallProbe& probe) const {
             inks[print->sheet][print->paper ? 1 : 0].samples.push_back({light, weight});
         }
     }
+    const MapSamples samples = map_samples(options_.samples_a_side);
     std::vector<std::array<std::optional<Eigen::Vector3d>, 2>> lights;
     for (const auto& sheet : inks) lights.push_back({sheet[0].light(), sheet[1].light()});
 
@@ -124,14 +125,14 @@ void BallTable::draw_print(BallProbe& probe) const {
             if (seen >= 1) continue;
             Eigen::Vector3d drawn = Eigen::Vector3d::Zero();
             double share = 0;
-            for (const auto& [across, down] : map_samples) {
+            for (const auto& [across, down] : samples) {
                 const auto place_m = place(latlong_direction(x + across, y + down, width, height));
                 const auto print = place_m ? print_at(*scene_.rig, *place_m) : std::nullopt;
                 if (!print) continue;
                 const auto& light = lights[print->sheet][print->paper ? 1 : 0];
                 if (!light) continue;
-                drawn += *light / map_samples.size();
-                share += 1.0 / map_samples.size();
+                drawn += *light / samples.size();
+                share += 1.0 / samples.size();
             }
             if (share <= 0 || share < 1 - seen - 0.01) continue;
             for (int c = 0; c < 3; ++c) {

@@ -37,6 +37,15 @@ bool bound_at(const BallView& view, const Eigen::Vector2d& pixel) {
 
 }  // namespace
 
+MapSamples map_samples(int a_side) {
+    MapSamples samples;
+    for (int k = 0; k < a_side * a_side; ++k) {
+        const int column = k % a_side, row = k / a_side;
+        samples.emplace_back((column + 0.5) / a_side - 0.5, (row + 0.5) / a_side - 0.5);
+    }
+    return samples;
+}
+
 BallUnwrap::BallUnwrap(const BallScene& scene, const BallProbeOptions& options) : scene_(scene), options_(options) {
     for (const BallView& view : scene.views) {
         Eye eye;

@@ -1,7 +1,6 @@
 // What one direction or one place looks like in the views of a mirror ball, each by how finely it shows it.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -14,10 +13,9 @@
 
 namespace matchlight {
 
-/// Where in a pixel of the map, across and down from its middle, directions are sampled: four, because the ball's
-/// pixels are about as fine as the map's.
-inline constexpr std::array<std::pair<double, double>, 4> map_samples = {
-    {{-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
+/// Where in a pixel of the map, across and down from its middle, directions are sampled: the middles of its parts.
+using MapSamples = std::vector<std::pair<double, double>>;
+MapSamples map_samples(int a_side);
 
 /// Weighted light with what is known of it.
 struct Gathered {
