@@ -64,19 +64,30 @@ float occlusion_at(vec2 uv) {
 }
 
 // The normal that a map gives, or the surface's where the material has none, on the side the eye sees. `tangent` is zero
-// where the model has none.
-vec3 normal_by(int bit, sampler2D map, float scale, vec3 normal, vec4 tangent, vec2 uv, bool front_facing) {
+// where the model has none. `slope_variance`: of the slopes within a texel of the map's level (render/normal_levels.h).
+vec3 normal_by(int bit, sampler2D map, float scale, vec3 normal, vec4 tangent, vec2 uv, bool front_facing,
+               out float slope_variance) {
     vec3 n = normalize(normal);
+    slope_variance = 0.0;
     if ((material_textures & bit) != 0 && dot(tangent.xyz, tangent.xyz) > 0.0) {
         vec3 t = normalize(tangent.xyz - dot(tangent.xyz, n) * n);
         vec3 b = cross(n, t) * tangent.w;
-        vec3 mapped = sampled(map, uv_of(bit, uv)).xyz * 2.0 - 1.0;
+        vec4 texel = sampled(map, uv_of(bit, uv));
+        vec3 mapped = texel.xyz * 2.0 - 1.0;
+        float slope_deviation = scale * texel.a / max(mapped.z, 0.1);
+        slope_variance = slope_deviation * slope_deviation;
         mapped.xy *= scale;
         n = normalize(mat3(t, b, n) * mapped);
     }
     return front_facing ? n : -n;
 }
 
-vec3 shading_normal(vec3 normal, vec4 tangent, vec2 uv, bool front_facing) {
-    return normal_by(has_normal, normal_texture, normal_scale, normal, tangent, uv, front_facing);
+vec3 shading_normal(vec3 normal, vec4 tangent, vec2 uv, bool front_facing, out float slope_variance) {
+    return normal_by(has_normal, normal_texture, normal_scale, normal, tangent, uv, front_facing, slope_variance);
+}
+
+// As wide as facets and what the map's normals differ by are together: α² is twice the variance of slopes along one axis
+// (Toksvig 2005, "Mipmapping Normal Maps"; Olano & Baker 2010, "LEAN Mapping").
+float roughness_with(float roughness, float slope_variance) {
+    return slope_variance > 0.0 ? min(sqrt(sqrt(pow(roughness, 4.0) + slope_variance)), 1.0) : roughness;
 }

@@ -22,8 +22,8 @@ float coat_roughness_at(vec2 uv) {
     return clamp(roughness, 0.0, 1.0);
 }
 // The coat lies over the base's normal map, and may have one of its own.
-vec3 coat_normal(vec3 normal, vec4 tangent, vec2 uv, bool front_facing) {
-    return normal_by(has_coat_normal, coat_normal_texture, coat_normal_scale, normal, tangent, uv, front_facing);
+vec3 coat_normal(vec3 normal, vec4 tangent, vec2 uv, bool front_facing, out float slope_variance) {
+    return normal_by(has_coat_normal, coat_normal_texture, coat_normal_scale, normal, tangent, uv, front_facing, slope_variance);
 }
 #endif
 

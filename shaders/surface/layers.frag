@@ -16,6 +16,7 @@ void main() {
     // A pixel belongs to a blended surface when that covers at least half of it.
     if (alpha < (alpha_blends ? 0.5 : alpha_cutoff)) discard;
     depth_m = 1.0 / inverse_z();
-    normal = vec4(shading_normal(world_normal, world_tangent, material_uv, front_facing), 1.0);
+    float slope_variance;
+    normal = vec4(shading_normal(world_normal, world_tangent, material_uv, front_facing, slope_variance), 1.0);
     id = object_id;
 }

@@ -260,7 +260,8 @@ void main() {
     focus_share = vec4(alpha * focus_share_of(surface_coc_px()), 0.0, 0.0, alpha);
 #endif
 #else
-    vec3 n = shading_normal(world_normal, world_tangent, material_uv, front_facing);
+    float slope_variance;
+    vec3 n = shading_normal(world_normal, world_tangent, material_uv, front_facing, slope_variance);
     vec3 v = normalize(eye_world - world_position);
     // An interpolated normal may turn away from the eye near a silhouette; seen edge on it still reflects forwards.
     const float least_cosine = 1e-4;
@@ -319,7 +320,7 @@ void main() {
     } else {
         vec2 metallic_roughness = metallic_roughness_at(material_uv);
         float metallic = metallic_roughness.x;
-        float roughness = metallic_roughness.y;
+        float roughness = roughness_with(metallic_roughness.y, slope_variance);
         float occlusion = occlusion_at(material_uv);
 #ifdef ANISOTROPY
         Anisotropy stretch = anisotropy_at(material_uv, n, world_tangent, front_facing, roughness);
@@ -385,13 +386,14 @@ void main() {
     radiance += emissive_at(material_uv);
 #ifdef COAT
     // Over all the rest, its glow included.
-    vec3 coat_n = coat_normal(world_normal, world_tangent, material_uv, front_facing);
+    float coat_slope_variance;
+    vec3 coat_n = coat_normal(world_normal, world_tangent, material_uv, front_facing, coat_slope_variance);
     float coat_cosine = dot(coat_n, v);
     if (coat_cosine < least_cosine) {
         coat_n = normalize(coat_n + (least_cosine - coat_cosine) * v);
         coat_cosine = least_cosine;
     }
-    float coat_roughness = coat_roughness_at(material_uv);
+    float coat_roughness = roughness_with(coat_roughness_at(material_uv), coat_slope_variance);
     Scattering coat = scattering(dielectric_f0, split_sum(coat_cosine, coat_roughness));
     float coated = coat_strength_at(material_uv) * coat.single.r;
     vec3 coat_reflected = reflect(-v, coat_n);

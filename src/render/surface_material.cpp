@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/transfer.h"
 #include "gl/context.h"
+#include "render/normal_levels.h"
 #include "render/sheen.h"
 
 namespace matchlight {
@@ -170,15 +171,15 @@ ShaderDefines defines_of(const ModelMaterial& material) {
 
 }  // namespace
 
-const Texture2D* SurfaceTextures::uploaded(int index, bool is_srgb) const {
+const Texture2D* SurfaceTextures::uploaded(int index, TextureContent content) const {
     const auto known = std::ranges::find_if(
-        entries_, [&](const Entry& entry) { return entry.index == index && entry.is_srgb == is_srgb; });
+        entries_, [&](const Entry& entry) { return entry.index == index && entry.content == content; });
     return known != entries_.end() ? known->texture.get() : nullptr;
 }
 
-const Texture2D* SurfaceTextures::texture(const Model& model, int index, bool is_srgb) {
+const Texture2D* SurfaceTextures::texture(const Model& model, int index, TextureContent content) {
     if (index < 0) return nullptr;
-    if (const Texture2D* known = uploaded(index, is_srgb)) return known;
+    if (const Texture2D* known = uploaded(index, content)) return known;
     const ModelTexture& source = model.textures.at(static_cast<std::size_t>(index));
     const Image8& image = source.rgba;
     const int largest = current_gl_context()->info().max_texture_size;
@@ -186,16 +187,20 @@ const Texture2D* SurfaceTextures::texture(const Model& model, int index, bool is
         throw InputError(source.name, fmt::format("the texture has {}×{} pixels; this OpenGL driver takes {}",
                                                   image.width(), image.height(), largest));
     }
-    auto texture =
-        std::make_unique<Texture2D>(TextureShape{.format = is_srgb ? GLenum{GL_SRGB8_ALPHA8} : GLenum{GL_RGBA8},
-                                                 .width = image.width(),
-                                                 .height = image.height(),
-                                                 .levels = 0});
-    texture->upload(image);
-    texture->make_mipmaps();
+    const GLenum format = content == TextureContent::color ? GL_SRGB8_ALPHA8 : GL_RGBA8;
+    auto texture = std::make_unique<Texture2D>(
+        TextureShape{.format = format, .width = image.width(), .height = image.height(), .levels = 0});
+    if (content == TextureContent::normals) {
+        int level = 0;
+        for (const Image8& normals : normal_levels(image))
+            texture->upload(normals.bounds(), normals.samples(), level++);
+    } else {
+        texture->upload(image);
+        texture->make_mipmaps();
+    }
     texture->set_filter(filter_of(source.sampling));
     texture->set_wrap(wrap_of(source.sampling.wrap_u), wrap_of(source.sampling.wrap_v));
-    entries_.push_back({index, is_srgb, std::move(texture)});
+    entries_.push_back({index, content, std::move(texture)});
     return entries_.back().texture.get();
 }
 
@@ -240,7 +245,12 @@ ModelMaterial with_override(const ModelMaterial& material, const MaterialOverrid
 
 namespace {
 
-/// `texture_of(index, is_srgb)` of each texture that is left of the model's.
+TextureContent content_of(MaterialSlot slot) {
+    if (slot == MaterialSlot::normal || slot == MaterialSlot::coat_normal) return TextureContent::normals;
+    return is_color(slot) ? TextureContent::color : TextureContent::numbers;
+}
+
+/// `texture_of(index, content)` of each texture that is left of the model's.
 template <class TextureOf>
 SurfaceMaterial surface_material(const ModelMaterial& material, const MaterialOverride& chosen,
                                  const TextureOf& texture_of) {
@@ -248,7 +258,7 @@ SurfaceMaterial surface_material(const ModelMaterial& material, const MaterialOv
     result.factors = with_override(material, chosen);
     const ModelMaterial& factors = result.factors;
     for (std::size_t i = 0; i < material_slots; ++i) {
-        result.textures[i] = texture_of(factors.textures[i].index, is_color(static_cast<MaterialSlot>(i)));
+        result.textures[i] = texture_of(factors.textures[i].index, content_of(static_cast<MaterialSlot>(i)));
     }
     result.shading = chosen.shading;
     result.defines = defines_of(factors);
@@ -274,7 +284,7 @@ SurfaceMaterial surface_material(const ModelMaterial& material, const MaterialOv
 SurfaceMaterial make_surface_material(const Model& model, const ModelMaterial& material, const MaterialOverride& chosen,
                                       SurfaceTextures& textures) {
     SurfaceMaterial result = surface_material(
-        material, chosen, [&](int index, bool is_srgb) { return textures.texture(model, index, is_srgb); });
+        material, chosen, [&](int index, TextureContent content) { return textures.texture(model, index, content); });
     if (result.defines.contains("SHEEN")) result.sheen_table = textures.sheen_table();
     return result;
 }
@@ -283,8 +293,8 @@ std::optional<SurfaceMaterial> surface_material_of_uploaded(const ModelMaterial&
                                                             const MaterialOverride& chosen,
                                                             const SurfaceTextures& textures) {
     bool all_there = true;
-    SurfaceMaterial result = surface_material(material, chosen, [&](int index, bool is_srgb) {
-        const Texture2D* texture = textures.uploaded(index, is_srgb);
+    SurfaceMaterial result = surface_material(material, chosen, [&](int index, TextureContent content) {
+        const Texture2D* texture = textures.uploaded(index, content);
         all_there = all_there && (index < 0 || texture != nullptr);
         return texture;
     });

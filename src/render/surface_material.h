@@ -44,13 +44,16 @@ private:
     void bind_layers(Program& program, GLuint free_unit) const;
 };
 
-/// The textures of a model, each uploaded once for each way it is read (sRGB or linear).
+/// How a texture is read: as sRGB, as numbers, or as normals with how far they differ (render/normal_levels.h).
+enum class TextureContent { color, numbers, normals };
+
+/// The textures of a model, each uploaded once for each way it is read.
 class SurfaceTextures {
 public:
     /// Texture `index` of the model, or null for −1. Throws InputError when it is larger than the driver takes.
-    const Texture2D* texture(const Model& model, int index, bool is_srgb);
+    const Texture2D* texture(const Model& model, int index, TextureContent content);
     /// The same of one that was uploaded; null where it was not.
-    const Texture2D* uploaded(int index, bool is_srgb) const;
+    const Texture2D* uploaded(int index, TextureContent content) const;
     /// The albedo of sheen, made when first asked for (render/sheen.h).
     const Texture2D* sheen_table();
     const Texture2D* made_sheen_table() const { return sheen_table_.get(); }
@@ -58,7 +61,7 @@ public:
 private:
     struct Entry {
         int index = 0;
-        bool is_srgb = false;
+        TextureContent content = TextureContent::numbers;
         std::unique_ptr<Texture2D> texture;
     };
     std::vector<Entry> entries_;

@@ -377,6 +377,49 @@ TEST_F(Surface, a_normal_map_turns_the_reflection) {
     EXPECT_LT((rgb(image, 64, 64) - expected).cwiseAbs().maxCoeff(), 0.02);  // 8-bit normals: half a degree
 }
 
+TEST_F(Surface, normals_too_fine_for_the_picture_widen_what_is_mirrored) {
+    // Grooves that tilt by 20° to either side, 64 across the square: a mirror shows what lies 40° from the zenith on
+    // both sides, seen far away as much as nearby.
+    constexpr int grooves = 64, tilt_deg = 20;
+    ModelTexture texture;
+    texture.name = "grooves";
+    texture.rgba = Image8(2 * grooves, 1, 4, 255);
+    for (int x = 0; x < 2 * grooves; ++x) {
+        const double tilt = (x % 2 == 0 ? tilt_deg : -tilt_deg) * std::numbers::pi / 180;
+        const double code[] = {std::sin(tilt), 0, std::cos(tilt)};
+        for (int c = 0; c < 3; ++c)
+            texture.rgba.pixel(x, 0)[c] = static_cast<std::uint8_t>(std::lround(127.5 * (code[c] + 1)));
+    }
+    texture.sampling.is_smooth_near = false;
+    const Probe probe = make_probe(512, [](const Eigen::Vector3d& d) {
+        const double above = std::acos(std::clamp(d.z(), -1.0, 1.0)) * 180 / std::numbers::pi;
+        return Eigen::Vector3d::Constant(std::abs(above - 40) < 15 ? 1 : 0.02).eval();
+    });
+    const Environment environment(shaders_, probe);
+    const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+    const auto mean_light = [&](bool with_grooves, double distance_m, int size) {
+        Model square = make_square(1);
+        square.materials[0] = metal(0.1);
+        if (with_grooves) square.materials[0].texture(MaterialSlot::normal) = 0;
+        square.textures.push_back(texture);
+        SurfaceRenderer renderer(shaders_);
+        renderer.add_object({.model = &square});
+        TestCamera camera{.eye = distance_m * z, .forward = -z, .right = right};
+        camera.size = size;
+        const ImageF image = color_of(renderer.draw(environment, camera.view()));
+        double sum = 0;
+        int pixels = 0;
+        for (int y = size / 2 - 4; y <= size / 2 + 4; ++y) {
+            for (int x = size / 2 - 4; x <= size / 2 + 4; ++x, ++pixels) sum += image.at(x, y, 0);
+        }
+        return sum / pixels;
+    };
+    const double nearby = mean_light(true, 0.05, 129), far = mean_light(true, 4, 129), flat = mean_light(false, 4, 129);
+    EXPECT_GT(nearby, 0.8);  // each groove mirrors the bright ring
+    EXPECT_LT(flat, 0.1);
+    EXPECT_GT(far, 0.3);  // as widely as a round lobe spreads what two directions send
+}
+
 TEST_F(Surface, layers_hold_depth_normal_and_object) {
     const Model sphere = make_sphere(1, 192);
     renderer_.add_object({.model = &sphere, .id = 7});
