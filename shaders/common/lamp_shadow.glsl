@@ -110,7 +110,7 @@ float lamp_seen_through_maps(Lamp lamp, LampLight light, vec3 world_position, ve
 }
 
 #ifdef RAYS
-// `side` is the triangle's normal towards the eye.
+// Spheres are in the maps. `side` is the triangle's normal towards the eye.
 float lamp_seen_along_rays(LampLight light, vec3 world_position, vec3 side) {
     int count = light.size > 0.0 ? lamp_rays : 1;
     mat2x3 disc = across(light.to_lamp);
@@ -120,7 +120,7 @@ float lamp_seen_along_rays(LampLight light, vec3 world_position, vec3 side) {
     for (int i = 0; i < count; ++i) {
         vec2 at = light.size > 0.0 ? light.size * disc_point(i, count, turn) : vec2(0.0);
         vec3 direction = normalize(light.to_lamp + disc * at);
-        seen += nearest_hit(from, direction, light.distance_m).instance < 0 ? 1.0 : 0.0;
+        seen += nearest_hit_of(ray_instance_count, from, direction, light.distance_m).instance < 0 ? 1.0 : 0.0;
     }
     return seen / float(count);
 }

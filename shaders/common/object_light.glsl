@@ -39,13 +39,22 @@ vec3 light_along(vec3 from, vec3 direction, float roughness, bool beyond_objects
             break;
         }
         if (bounce == 0) first_met = meets_object;
-        RaySurface surface = surface_at(hit, direction);
+        RaySurface surface = surface_at(hit, from, direction);
         // Light is kept for the side of the normals; what arrives behind a sheet is not known, and taken as none.
         for (int i = 0; i < 3; ++i) {
             vec4 sent = surface.is_back ? texelFetch(ray_emission, surface.vertices[i])
                                         : texelFetch(ray_radiosity, surface.vertices[i]);
             light += share * surface.shares[i] * sent.rgb;
         }
+#ifdef RAY_SPHERES
+        // Their light is kept nowhere: the probe's is found as it is met.
+        if (is_ray_sphere(hit)) {
+            const float mean_cosine = 2.0 / 3.0;  // as in effects/bounce_light/radiosity.comp
+            vec2 table = split_sum(mean_cosine, surface.roughness);
+            light += share * diffuse_radiance(surface.world_normal) *
+                     material_scattering(surface.base, surface.metallic, table).diffuse;
+        }
+#endif
         float cosine = max(dot(surface.world_normal, -direction), 1e-4);
         share *= material_scattering(surface.base, surface.metallic, split_sum(cosine, surface.roughness)).mirrored;
         direction = direction_off(reflect(direction, surface.world_normal), surface.geometric_normal);

@@ -1,4 +1,5 @@
-// Rays against the virtual objects, by a hierarchy of boxes for each mesh (scene/triangle_tree.h, render/ray_scene.h).
+// Rays against the virtual objects, by a hierarchy of boxes for each mesh (scene/triangle_tree.h, render/ray_scene.h), and
+// with RAY_SPHERES for each set of spheres.
 
 // Floats and integers as bits, so that neither is changed on its way.
 uniform usamplerBuffer ray_nodes;       // low xyz, skip: the node after all of its own;
@@ -9,6 +10,10 @@ uniform isamplerBuffer ray_ranges;      // of each: first node, end node, first 
                                         // back faces are never met (it is closed); −1: a real thing
 uniform samplerBuffer ray_vertices;     // normal in the model's own axes, roughness; base colour, metallic
 uniform int ray_instance_count;
+#ifdef RAY_SPHERES
+uniform int ray_sphere_set_count;       // instances after the others, with three texels a sphere in place of a triangle:
+                                        // its centre and radius, its base colour; the first vertex has the rest
+#endif
 
 vec4 ray_vertex_normal_roughness(int vertex) { return texelFetch(ray_vertices, 2 * vertex); }
 vec4 ray_vertex_base_metallic(int vertex) { return texelFetch(ray_vertices, 2 * vertex + 1); }
@@ -49,10 +54,32 @@ void meet_triangle(vec3 origin, vec3 direction, int instance, int triangle, bool
     hit = RayHit(distance_m, instance, triangle, vec2(u, v));
 }
 
-// The nearest triangle, either side of it, nearer than `farthest_m`. The direction may have any length but 0.
-RayHit nearest_hit(vec3 world_origin, vec3 world_direction, float farthest_m) {
+#ifdef RAY_SPHERES
+// From outside: what leaves a sphere, or begins within it by rounding, does not meet it again (spheres/ray.glsl says whose
+// form this is).
+void meet_ray_sphere(vec3 origin, vec3 direction, int instance, int sphere, inout RayHit hit) {
+    vec4 centre_radius = uintBitsToFloat(texelFetch(ray_triangles, 3 * sphere));
+    float radius = centre_radius.w;
+    vec3 from_centre = origin - centre_radius.xyz;
+    float away = length(from_centre);
+    float power = (away - radius) * (away + radius);
+    float b = dot(from_centre, direction);
+    if (b >= 0.0 || power <= 0.0) return;
+    float a = dot(direction, direction);
+    float off = length(from_centre - (b / a) * direction);
+    float left = (radius - off) * (radius + off);
+    if (!(left >= 0.0)) return;
+    float distance_m = power / (sqrt(a * left) - b);
+    if (distance_m < hit.distance_m) hit = RayHit(distance_m, instance, sphere, vec2(0.0));
+}
+
+bool is_ray_sphere(RayHit hit) { return hit.instance >= ray_instance_count; }
+#endif
+
+// The nearest triangle, either side of it, or sphere, nearer than `farthest_m`. The direction may have any length but 0.
+RayHit nearest_hit_of(int instances, vec3 world_origin, vec3 world_direction, float farthest_m) {
     RayHit hit = RayHit(farthest_m, -1, 0, vec2(0.0));
-    for (int i = 0; i < ray_instance_count; ++i) {
+    for (int i = 0; i < instances; ++i) {
         mat4x3 model_from_world = ray_transform(i, 3);
         vec3 origin = model_from_world * vec4(world_origin, 1.0);
         vec3 direction = mat3(model_from_world) * world_direction;
@@ -79,12 +106,27 @@ RayHit nearest_hit(vec3 world_origin, vec3 world_direction, float farthest_m) {
             }
             uint leaf = high_leaf.w;
             int first = first_triangle + int(leaf >> 3u);
-            for (int triangle = first; triangle < first + int(leaf & 7u); ++triangle)
+            for (int triangle = first; triangle < first + int(leaf & 7u); ++triangle) {
+#ifdef RAY_SPHERES
+                if (i >= ray_instance_count) {
+                    meet_ray_sphere(origin, direction, i, triangle, hit);
+                    continue;
+                }
+#endif
                 meet_triangle(origin, direction, i, triangle, is_closed, hit);
+            }
             ++node;
         }
     }
     return hit;
+}
+
+RayHit nearest_hit(vec3 world_origin, vec3 world_direction, float farthest_m) {
+#ifdef RAY_SPHERES
+    return nearest_hit_of(ray_instance_count + ray_sphere_set_count, world_origin, world_direction, farthest_m);
+#else
+    return nearest_hit_of(ray_instance_count, world_origin, world_direction, farthest_m);
+#endif
 }
 
 bool is_real(RayHit hit) { return texelFetch(ray_ranges, hit.instance).w < 0; }
@@ -100,7 +142,30 @@ struct RaySurface {
     vec3 shares;                         // of them
 };
 
-RaySurface surface_at(RayHit hit, vec3 world_direction) {
+#ifdef RAY_SPHERES
+// `world_met` is the place that was met.
+RaySurface sphere_surface_at(RayHit hit, vec3 world_met) {
+    vec4 centre_radius = uintBitsToFloat(texelFetch(ray_triangles, 3 * hit.triangle));
+    vec3 outward = normalize(ray_transform(hit.instance, 3) * vec4(world_met, 1.0) - centre_radius.xyz);
+    RaySurface surface;
+    surface.vertices = ivec3(texelFetch(ray_ranges, hit.instance).w >> 1);
+    surface.shares = vec3(1.0, 0.0, 0.0);
+    surface.world_position =
+        ray_transform(hit.instance, 0) * vec4(centre_radius.xyz + centre_radius.w * outward, 1.0);
+    surface.world_normal = normalize(transpose(mat3(ray_transform(hit.instance, 3))) * outward);
+    surface.geometric_normal = surface.world_normal;
+    surface.is_back = true;   // no light is kept for it: of the vertex's only the emission counts
+    surface.base = uintBitsToFloat(texelFetch(ray_triangles, 3 * hit.triangle + 1).xyz);
+    surface.metallic = ray_vertex_base_metallic(surface.vertices.x).a;
+    surface.roughness = ray_vertex_normal_roughness(surface.vertices.x).w;
+    return surface;
+}
+#endif
+
+RaySurface surface_at(RayHit hit, vec3 world_origin, vec3 world_direction) {
+#ifdef RAY_SPHERES
+    if (is_ray_sphere(hit)) return sphere_surface_at(hit, world_origin + hit.distance_m * world_direction);
+#endif
     uvec4 corner = texelFetch(ray_triangles, 3 * hit.triangle);
     uvec4 edge1 = texelFetch(ray_triangles, 3 * hit.triangle + 1);
     uvec4 edge2 = texelFetch(ray_triangles, 3 * hit.triangle + 2);

@@ -169,6 +169,12 @@ ShadowCasters ClipLight::real_casters() {
     return {surfaces_.real_caster_bounds_m(), [this](Program& program) { surfaces_.draw_real_casters(program); }};
 }
 
+ShaderDefines ClipLight::ray_defines() const {
+    ShaderDefines defines = shadow_defines();
+    if (rays_ != nullptr && rays_->has_spheres()) defines["RAY_SPHERES"] = "1";
+    return defines;
+}
+
 void ClipLight::describe_surface() {
     shading_.shows_surface = surface_picture_.present();
     shading_.traces_rays = rays_ != nullptr && !rays_->empty();
@@ -241,7 +247,7 @@ SurfaceReflection ClipLight::add_reflection(RenderGraph& graph, const MirrorView
                                    .region = view.region,
                                    .runs = view.runs,
                                    .light = view.light,
-                                   .defines = shadow_defines(),
+                                   .defines = ray_defines(),
                                    .bind_light =
                                        [this](Program& program) {
                                            environment_->bind(program);
@@ -423,7 +429,7 @@ void ClipLight::bounce_light() {
                                           bind_shading(program);
                                       },
                                   .has_visibility = has_visibility_,
-                                  .defines = shadow_defines()};
+                                  .defines = ray_defines()};
     bounce_between_objects(shaders_, objects, quality_.bounce);
     if (!contact_shadow_ || !bounces()) return;
     bounce_to_surface(

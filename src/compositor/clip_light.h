@@ -80,6 +80,8 @@ private:
     void make_surface_shadow(const ContactShadowSettings& settings);
     /// What shaders of light are compiled with that look the shadow on the surface up.
     ShaderDefines shadow_defines() const { return lamps_ ? ShaderDefines{{"LAMPS", "1"}} : ShaderDefines{}; }
+    /// Of what casts rays, too.
+    ShaderDefines ray_defines() const;
     bool bounces() const;
     void restore_cast_shadow();
     void bake_object_shadow();

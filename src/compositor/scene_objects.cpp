@@ -91,7 +91,7 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
             surfaces.add_object(added);
             for (const ModelLamp& lamp : model.lamps) model_lamps_.push_back({objects_.size() - 1, lamp});
         }
-        if (rays_) rays_->add_object(model, object.material, object.holdout);
+        if (rays_ && object.spheres.empty()) rays_->add_object(model, object.material, object.holdout);
         PosedModel posed(model, object.animation.name, object.model.empty() ? scene.path : object.model);
         if (posed.moves()) deforming_.push_back({objects_.size() - 1, std::move(posed)});
         if (is_moving(objects_.size() - 1)) moving_.push_back(objects_.size() - 1);
@@ -132,7 +132,14 @@ void SceneObjects::add_spheres(const SurfaceObject& added, const ObjectSettings&
     }
     SurfaceObject with_halo = added;
     with_halo.halo = object.sphere.halo;
-    surfaces_.add_spheres(with_halo, load_sphere_set(object.spheres, object.sphere, warnings));
+    const SphereSet set = load_sphere_set(object.spheres, object.sphere, warnings);
+    surfaces_.add_spheres(with_halo, set);
+    if (!rays_) return;
+    rays_->add_spheres(set, object.material);
+    if (!RayScene::meets(set) && !set.blends()) {
+        warnings.add(fmt::format("object '{}': {} spheres are more than rays meet ({}): mirrors do not show them",
+                                 object.name, set.size(), RayScene::most_spheres));
+    }
 }
 
 Eigen::Matrix4d SceneObjects::world_from_model(std::size_t object, const ClipTime& time) const {

@@ -116,6 +116,36 @@ void RayScene::add_object(const Model& model, const MaterialOverride& material, 
     ++objects_;
 }
 
+void RayScene::add_spheres(const SphereSet& set, const MaterialOverride& material) {
+    const std::size_t object = objects_++;
+    if (!meets(set) || set.spheres.empty()) return;
+    const ModelMaterial factors = with_override({}, material);
+    const Eigen::Vector3f factor(factors.base_color.data());
+    const TriangleTree tree = make_sphere_tree(set.spheres);
+    const auto first_node = static_cast<int>(nodes_.size() / 2);
+    placed_sets_.push_back({.object = object,
+                            .first_node = first_node,
+                            .end_node = first_node + static_cast<int>(tree.nodes.size()),
+                            .first_triangle = static_cast<int>(triangles_.size())});
+    set_vertices_.push_back({{.normal_roughness = {0, 0, 0, factors.roughness},
+                              .base_metallic = {factor.x(), factor.y(), factor.z(), factors.metallic}},
+                             {factors.emissive[0], factors.emissive[1], factors.emissive[2], 0}});
+    for (const TriangleTreeNode& node : tree.nodes) append_node(node, static_cast<std::size_t>(first_node), nodes_);
+    for (const TreeTriangle& leaf : tree.triangles) {
+        const std::uint32_t number = leaf.corners[0];
+        const auto& [centre, radius] = set.spheres[number];
+        Eigen::Vector3f color(set.color.data());
+        if (!set.colors.empty()) {
+            const auto& code = set.colors[number];
+            constexpr float white = 255;
+            color = linear_of({code[0] / white, code[1] / white, code[2] / white, 1});
+        }
+        color = color.cwiseProduct(factor);
+        triangles_.push_back(
+            {{centre[0], centre[1], centre[2], radius}, {color.x(), color.y(), color.z(), 0}, {0, 0, 0, 0}});
+    }
+}
+
 void RayScene::append_node(const TriangleTreeNode& node, std::size_t first_node, std::vector<Float4>& to) {
     const auto skip = static_cast<std::uint32_t>(first_node) + static_cast<std::uint32_t>(node.skip);
     to.push_back({node.low[0], node.low[1], node.low[2], bits(skip)});
@@ -153,6 +183,11 @@ void RayScene::deform_object(std::size_t index, std::span<const ModelMesh> meshe
 
 void RayScene::finish() {
     if (vertices_.empty()) return;
+    for (std::size_t i = 0; i < set_vertices_.size(); ++i) {
+        placed_sets_[i].vertices = 2 * static_cast<int>(vertices_.size());
+        vertices_.push_back(set_vertices_[i].vertex);
+        emission_.push_back(set_vertices_[i].emission);
+    }
     const auto fetched = [](Buffer buffer, GLenum format) {
         Fetched texels{std::move(buffer), {}};
         texels.texture = BufferTexture(texels.buffer, format);
@@ -170,10 +205,11 @@ void RayScene::finish() {
     if (placed_.empty()) return;
     node_texels_ = fetched(Buffer(std::span<const Float4>(nodes_)), GL_RGBA32UI);
     triangle_texels_ = fetched(Buffer(std::span<const Triangle>(triangles_)), GL_RGBA32UI);
-    instance_texels_ = fetched(Buffer(placed_.size() * rows * sizeof(Float4)), GL_RGBA32F);
+    instance_texels_ = fetched(Buffer((placed_.size() + placed_sets_.size()) * rows * sizeof(Float4)), GL_RGBA32F);
     std::vector<std::int32_t> ranges;
-    for (const PlacedMesh& mesh : placed_) {
-        ranges.insert(ranges.end(), {mesh.first_node, mesh.end_node, mesh.first_triangle, mesh.vertices});
+    for (const std::vector<PlacedMesh>* placed : {&placed_, &placed_sets_}) {
+        for (const PlacedMesh& mesh : *placed)
+            ranges.insert(ranges.end(), {mesh.first_node, mesh.end_node, mesh.first_triangle, mesh.vertices});
     }
     range_texels_ = fetched(Buffer(std::span<const std::int32_t>(ranges)), GL_RGBA32I);
     // On the GPU now.
@@ -186,19 +222,21 @@ void RayScene::place(const std::vector<Eigen::Matrix4d>& world_from_model) {
     assert(world_from_model.size() == objects_);
     if (placed_.empty()) return;
     std::vector<Float4> placements;
-    for (const PlacedMesh& mesh : placed_) {
-        const Eigen::Matrix4d& placement = world_from_model[mesh.object];
+    const auto place = [&](const Eigen::Matrix4d& placement) {
         for (const Eigen::Matrix4f& matrix :
              {Eigen::Matrix4f(placement.cast<float>()), Eigen::Matrix4f(placement.inverse().cast<float>())}) {
             for (int row = 0; row < rows / 2; ++row)
                 placements.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
         }
-    }
+    };
+    for (const PlacedMesh& mesh : placed_) place(world_from_model[mesh.object]);
+    for (const PlacedMesh& set : placed_sets_) place(world_from_model[set.object]);
     instance_texels_.buffer.upload(std::span<const Float4>(placements));
 }
 
 void RayScene::bind(Program& program) const {
     program.set("ray_instance_count", static_cast<int>(placed_.size()));
+    program.set("ray_sphere_set_count", static_cast<int>(placed_sets_.size()));
     GLuint unit = first_texture_unit;
     const auto bind_next = [&](const char* sampler, const BufferTexture& texels) {
         program.bind_texture(sampler, unit++, texels);

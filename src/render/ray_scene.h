@@ -24,6 +24,11 @@ public:
     /// `model` is only read while adding. Base colour, metallic, roughness and emission are taken at the vertices. A
     /// holdout is a real thing: rays that meet it see of it what the probe saw.
     void add_object(const Model& model, const MaterialOverride& material, bool is_holdout);
+    /// A set of spheres, each met as a sphere; see meets(). Programs meet them that are compiled with RAY_SPHERES.
+    void add_spheres(const SphereSet& set, const MaterialOverride& material);
+    /// Sets that let light through are not met, as blended meshes are not, nor those of which there are more than this.
+    static bool meets(const SphereSet& set) { return !set.blends() && set.size() <= most_spheres; }
+    static constexpr std::size_t most_spheres = std::size_t{1} << 20;
     /// Uploads what was added, and makes room for light at the vertices.
     void finish();
     /// Where the objects stand, in the order they were added; before the first ray and after every change.
@@ -33,7 +38,9 @@ public:
     /// of them.
     void deform_object(std::size_t index, std::span<const ModelMesh> meshes);
 
+    /// Spheres alone are not worth a ray: it is models that show them.
     bool empty() const { return placed_.empty(); }
+    bool has_spheres() const { return !placed_sets_.empty(); }
     std::size_t vertex_count() const { return vertices_.size(); }
 
     /// Sets the uniforms of common/rays.glsl and those of the light at the vertices, `ray_radiosity`, `ray_emission`
@@ -81,6 +88,12 @@ private:
     std::vector<Float4> nodes_;  // two a node
     std::vector<Triangle> triangles_;
     std::vector<PlacedMesh> placed_;
+    std::vector<PlacedMesh> placed_sets_;  // of spheres: the vertex has what all of a set have in common
+    struct CommonVertex {
+        Vertex vertex;
+        Float4 emission;
+    };
+    std::vector<CommonVertex> set_vertices_;  // come after those of all meshes
     struct Fetched {
         Buffer buffer;
         BufferTexture texture;

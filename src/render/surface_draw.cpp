@@ -266,6 +266,7 @@ SurfaceRenderer::Programs SurfaceRenderer::light_programs(const Environment& env
     const std::string fragment = "surface/surface.frag";
     ShaderDefines defines = light_defines(view, shading);
     defines.insert(more.begin(), more.end());
+    if (shading.traces_rays && any_spheres()) defines["RAY_SPHERES"] = "1";
     const auto set_up = [&environment, &view, &shading](Program& program) {
         set_light(program, environment, view, shading);
     };

@@ -74,6 +74,19 @@ TriangleTree make_triangle_tree(std::span<const ModelVertex> vertices, std::span
     return Builder(std::move(candidates)).build();
 }
 
+TriangleTree make_sphere_tree(std::span<const Sphere> spheres) {
+    std::vector<Candidate> candidates;
+    candidates.reserve(spheres.size());
+    for (const Sphere& sphere : spheres) {
+        Candidate& candidate = candidates.emplace_back();
+        candidate.triangle.corners[0] = static_cast<std::uint32_t>(&sphere - spheres.data());
+        candidate.centroid = Eigen::Vector3f(sphere.centre_m.data());
+        const Eigen::Vector3f reach = Eigen::Vector3f::Constant(sphere.radius_m);
+        candidate.box = {candidate.centroid - reach, candidate.centroid + reach};
+    }
+    return Builder(std::move(candidates)).build();
+}
+
 void refit(TriangleTree& tree, std::span<const ModelVertex> vertices) {
     constexpr std::uint32_t count_values = 8;
     // Children come after their parent.

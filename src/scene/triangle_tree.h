@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scene/model.h"
+#include "scene/sphere_set.h"
 
 namespace matchlight {
 
@@ -35,6 +36,9 @@ struct TriangleTree {
 /// Bounding Volume Hierarchies"). Deterministic. Indices are those of triangles, all in range; fewer than 2^29
 /// triangles.
 TriangleTree make_triangle_tree(std::span<const ModelVertex> vertices, std::span<const std::uint32_t> indices);
+
+/// The same over spheres, each a triangle whose first corner is the sphere's number.
+TriangleTree make_sphere_tree(std::span<const Sphere> spheres);
 
 /// Gives the boxes the vertices' places, which were other ones when the tree was made; which triangles lie together
 /// stays as it was.

@@ -1,13 +1,32 @@
 // What objects do to each other's light in a whole frame: mirrored, bounced, and left out where there is nothing to
 // meet.
 #include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "compositor_shot.h"
 
 namespace matchlight::test {
 namespace {
+
+namespace fs = std::filesystem;
+
+/// Pixels of the ball (id 1) that are much redder than green.
+int red_on_the_ball(const FrameLayers& layers, float least = 0.5F) {
+    int red = 0;
+    for (int y = 0; y < layers.region.height; ++y) {
+        for (int x = 0; x < layers.region.width; ++x) {
+            if (layers.object_id.at(x, y, 0) != 1) continue;
+            red += layers.beauty.at(x, y, 0) > 3 * layers.beauty.at(x, y, 1) && layers.beauty.at(x, y, 0) > least;
+        }
+    }
+    return red;
+}
 
 class NearLightTest : public CompositorTest {
 protected:
@@ -24,6 +43,32 @@ protected:
         lamp.material.emissive = {8, 0, 0};
         shot.scene.objects.push_back(lamp);
         return shot;
+    }
+
+    /// The same with a red sphere in the box's place, a set of one or a mesh.
+    static Shot ball_and_sphere(bool is_set, const std::array<double, 3>& emissive) {
+        Shot shot = ball_and_lamp(QualityLevel::draft);
+        ObjectSettings& sphere = shot.scene.objects.back();
+        sphere.shape = is_set ? "" : "sphere";
+        sphere.scale.setConstant(0.08);
+        sphere.translate_m = {0.1, 0, 0.04};
+        sphere.material = {};
+        sphere.material.emissive = emissive;
+        if (is_set) {
+            sphere.spheres = fs::temp_directory_path() / fmt::format("matchlight_near_light_{}.csv", ::getpid());
+            std::ofstream(sphere.spheres) << "x,y,z,radius,red,green,blue\n0,0,0,0.5,255,0,0\n";
+        } else {
+            sphere.material.base_color = {1, 0, 0};
+        }
+        return shot;
+    }
+    int red_on_the_ball_of(Shot shot, ReflectionLevel reflections) {
+        constexpr float lit = 0.02F;  // by the probe
+        shot.scene.reflections = reflections;
+        shot.scene.bounce = false;
+        Compositor compositor(context(), shot.scene, shot.solve, {.quality = shot.scene.quality, .layers = true},
+                              warnings_);
+        return red_on_the_ball(*compositor.composite(grey_plate(320, 180, plate_luma_)).layers, lit);
     }
 
     /// With fewer rays than the levels have: enough for what is looked at.
@@ -48,24 +93,23 @@ protected:
     }
 };
 
-/// Pixels of the ball (id 1) that are much redder than green.
-int red_on_the_ball(const FrameLayers& layers) {
-    int red = 0;
-    for (int y = 0; y < layers.region.height; ++y) {
-        for (int x = 0; x < layers.region.width; ++x) {
-            if (layers.object_id.at(x, y, 0) != 1) continue;
-            red += layers.beauty.at(x, y, 0) > 3 * layers.beauty.at(x, y, 1) && layers.beauty.at(x, y, 0) > 0.5;
-        }
-    }
-    return red;
-}
-
 TEST_F(NearLightTest, AMirrorShowsWhatStandsBesideIt) {
     const CompositedFrame far = with_layers(ball_and_lamp(QualityLevel::preview));
     const CompositedFrame near = with_layers(ball_and_lamp(QualityLevel::final_));
     ASSERT_TRUE(far.layers && near.layers);
     // A few pixels hold the lamp's edge besides.
     EXPECT_GT(red_on_the_ball(*near.layers), red_on_the_ball(*far.layers) + 30);
+}
+
+TEST_F(NearLightTest, AMirrorShowsSpheresAsItShowsMeshesOfThem) {
+    const int beside = red_on_the_ball_of(ball_and_sphere(true, {0, 0, 0}), ReflectionLevel::plane);
+    for (const double glow : {0.0, 8.0}) {
+        const int of_set = red_on_the_ball_of(ball_and_sphere(true, {glow, 0, 0}), ReflectionLevel::rays);
+        const int of_mesh = red_on_the_ball_of(ball_and_sphere(false, {glow, 0, 0}), ReflectionLevel::rays);
+        EXPECT_GT(of_set, beside + 15) << glow;
+        EXPECT_NEAR(of_set, of_mesh, 2) << glow;
+    }
+    fs::remove(ball_and_sphere(true, {}).scene.objects.back().spheres);
 }
 
 TEST_F(NearLightTest, WhatGlowsLightsTheTable) {

@@ -1,8 +1,10 @@
 // Rays on the GPU against the same rays in double precision.
 #include "render/ray_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -10,6 +12,8 @@
 #include "gl_fixture.h"
 #include "render_scene.h"
 #include "scene/ray_caster.h"
+#include "scene/sphere_caster.h"
+#include "sphere_sets.h"
 
 namespace matchlight {
 namespace {
@@ -23,16 +27,32 @@ struct PlacedModel {
     Eigen::Matrix4d world_from_model = Eigen::Matrix4d::Identity();
 };
 
+struct PlacedSet {
+    SphereSet set;
+    RigidTransform world_from_set = RigidTransform::Identity();
+};
+
 class RaySceneTest : public GlTest {
 protected:
     /// Distances, −1 where nothing is met.
-    static std::vector<double> on_the_gpu(const std::vector<PlacedModel>& models, const std::vector<Ray>& rays) {
+    static std::vector<double> on_the_gpu(const std::vector<PlacedModel>& models, const std::vector<Ray>& rays,
+                                          const std::vector<PlacedSet>& sets = {}) {
         RayScene scene;
         std::vector<Eigen::Matrix4d> placements;
+        const auto add_sets = [&](std::span<const PlacedSet> some) {
+            for (const PlacedSet& placed : some) {
+                scene.add_spheres(placed.set, {});
+                placements.push_back(placed.world_from_set.matrix());
+            }
+        };
+        // One before the models, the others after: objects keep their order.
+        const std::size_t before = std::min<std::size_t>(sets.size(), 1);
+        add_sets(std::span(sets).first(before));
         for (const PlacedModel& placed : models) {
             scene.add_object(placed.model, {}, false);
             placements.push_back(placed.world_from_model);
         }
+        add_sets(std::span(sets).subspan(before));
         scene.finish();
         scene.place(placements);
         std::vector<float> values;
@@ -45,7 +65,8 @@ protected:
         const Buffer in{std::span<const float>(values)};
         const Buffer out(rays.size() * 4 * sizeof(float));
         ShaderLibrary shaders;
-        Program& program = shaders.compute("../tests/gpu/shaders/nearest_hit.comp");
+        Program& program = shaders.compute("../tests/gpu/shaders/nearest_hit.comp",
+                                           sets.empty() ? ShaderDefines{} : ShaderDefines{{"RAY_SPHERES", "1"}});
         program.use();
         scene.bind(program);
         in.bind(GL_SHADER_STORAGE_BUFFER, 0);
@@ -120,6 +141,49 @@ TEST_F(RaySceneTest, finds_what_double_precision_finds) {
     }
     EXPECT_GT(met, 1000);
     EXPECT_LE(otherwise, 4);
+}
+
+TEST_F(RaySceneTest, finds_the_spheres_that_double_precision_finds) {
+    std::vector<PlacedModel> models;
+    models.push_back({make_shape("box", "scene.toml")});
+    models[0].world_from_model.topLeftCorner<3, 3>() *= 0.5;
+    std::vector<PlacedSet> sets{{test::random_set(2000, 0.005F, 0.05F)}, {test::random_set(300, 0.02F, 0.1F)}};
+    sets[0].world_from_set.translation() = Eigen::Vector3d(0.6, 0.1, 0);
+    sets[1].world_from_set.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+    const std::vector<Ray> rays = rays_around(1, 4000);
+    const std::vector<double> gpu = on_the_gpu(models, rays, sets), boxes = in_double(models, rays);
+    SphereCaster caster;
+    for (const PlacedSet& placed : sets) caster.add_set(placed.set, placed.world_from_set);
+    int spheres = 0, otherwise = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const auto sphere = caster.nearest({.origin_m = rays[i].origin_m, .direction = rays[i].direction});
+        const bool is_sphere = sphere && (boxes[i] < 0 || sphere->distance < boxes[i]);
+        spheres += is_sphere;
+        const double expected = is_sphere ? sphere->distance : boxes[i];
+        // A ray within rounding of a silhouette may pass on either side of it.
+        otherwise += std::abs(gpu[i] - expected) > 1e-4;
+    }
+    EXPECT_GT(spheres, 500);
+    EXPECT_LT(spheres, 3500) << "the box is met, too";
+    EXPECT_LE(otherwise, 4);
+}
+
+TEST_F(RaySceneTest, what_leaves_a_sphere_does_not_meet_it_again) {
+    const std::vector<PlacedSet> sets{{test::set_of({{{0, 0, 0}, 0.3F}, {{100, 0, 0}, 0.3F}})}};
+    std::vector<PlacedModel> far_away(1);
+    far_away[0].model = test::make_square(1);
+    far_away[0].world_from_model(2, 3) = -50;
+    std::vector<Ray> rays;
+    for (const Ray& ray : rays_around(1, 2000)) {
+        const Eigen::Vector3d outward = ray.origin_m.normalized();
+        // Just outside and just inside, as floats are, and along the tangent.
+        rays.push_back({(0.3 + 1e-7) * outward, outward + 0.999 * outward.unitOrthogonal()});
+        rays.push_back({(0.3 - 1e-7) * outward, outward + Eigen::Vector3d(0, 0, 1)});
+        rays.push_back({(0.3 + 3e-7) * outward, outward.unitOrthogonal() + 1e-3 * outward});
+    }
+    int met = 0;
+    for (const double distance : on_the_gpu(far_away, rays, sets)) met += distance > 0 && distance < 40;
+    EXPECT_EQ(met, 0);
 }
 
 TEST_F(RaySceneTest, no_ray_leaves_a_closed_shape_between_its_triangles) {

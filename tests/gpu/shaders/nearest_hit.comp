@@ -16,6 +16,6 @@ void main() {
     RayHit hit = nearest_hit(origin, direction, 3.4e38);
     hits[i] = vec4(-1.0);
     if (hit.instance < 0) return;
-    RaySurface surface = surface_at(hit, direction);
+    RaySurface surface = surface_at(hit, origin, direction);
     hits[i] = vec4(hit.distance_m, surface.world_position);
 }
