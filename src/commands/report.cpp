@@ -24,6 +24,7 @@
 #include "report/depth_of_field_timing.h"
 #include "report/experiments.h"
 #include "report/machine_calibration.h"
+#include "report/probe_experiments.h"
 #include "report/report_folder.h"
 #include "report/sphere_experiment.h"
 #include "report/stability_cases.h"
@@ -44,7 +45,7 @@ struct ReportArguments {
     std::vector<std::string> spheres;
     std::size_t orbit_frames = 0;  // 0: 180, or 6 when quick
     int repeats = 0;               // 0: seven, or three when quick
-    bool quick = false, overwrite = false, stability = false, calibrate_machine = false, track = false;
+    bool quick = false, overwrite = false, stability = false, calibrate_machine = false, track = false, probes = false;
 
     TimingOptions timing() const {
         TimingOptions timing;
@@ -135,6 +136,16 @@ void measure_scene(const ReportArguments& arguments, GlContext& gl, CommandConte
         progress.advance();
     }
     report.budget = budgets_predicted_and_measured(stage, timing);
+}
+
+void measure_probes(const ReportArguments& arguments, CommandContext& context, Report& report) {
+    Progress progress("probes", static_cast<std::int64_t>(2 * probe_experiment_count), context.quiet);
+    report.provenance = fmt::format("matchlight {}", version);
+    for (const Experiment& experiment : probe_experiments([&progress] { progress.advance(); })) {
+        if (stop_requested()) throw InputError(arguments.output, "stopped by a signal");
+        report.effects.push_back(run_experiment(experiment, probe_codes, arguments.timing()));
+        progress.advance();
+    }
 }
 
 /// Measures this machine and writes the table that budgets are kept by.
@@ -256,6 +267,8 @@ void make_report(const ReportArguments& arguments, CommandContext& context) {
         measure_study(arguments, *gl, context, report);
     } else if (!arguments.spheres.empty()) {
         measure_sphere_sets(arguments, context, report);
+    } else if (arguments.probes) {
+        measure_probes(arguments, context, report);
     } else if (!arguments.scene.empty()) {
         measure_scene(arguments, *gl, context, report);
     }
@@ -314,6 +327,9 @@ void add_report_command(CLI::App& app, CommandContext& context) {
         ->type_name("SETS");
     command->add_option("--frames", arguments->orbit_frames, "Of the orbit around each set (180; 6 with --quick)")
         ->check(CLI::Range(1, 10000));
+    command->add_flag("--probes", arguments->probes,
+                      "What making a light probe costs, against rooms in double precision: merging photographs, "
+                      "unwrapping a ball, parallax, mappings");
     command->add_flag("--stability", arguments->stability,
                       "A table of stiff and extreme cases: what came out of each, against its bound");
     command
@@ -327,14 +343,17 @@ void add_report_command(CLI::App& app, CommandContext& context) {
     command->add_flag("--quick", arguments->quick, "Fewer knobs and cheaper references: some seconds an effect");
     command->add_flag("--overwrite", arguments->overwrite, "Replace a report that exists");
     command->callback([arguments, &context] {
-        const bool reports = !arguments->scene.empty() || !arguments->spheres.empty() || arguments->stability;
+        const bool reports =
+            !arguments->scene.empty() || !arguments->spheres.empty() || arguments->stability || arguments->probes;
         if (!reports && !arguments->calibrate_machine) {
-            throw CLI::RequiredError("SCENE.toml, --spheres, --stability or --calibrate-machine");
+            throw CLI::RequiredError("SCENE.toml, --spheres, --probes, --stability or --calibrate-machine");
         }
         const bool needs_scene = arguments->track || !arguments->study.empty();
         if (needs_scene && arguments->scene.empty()) throw CLI::RequiredError("SCENE.toml");
         if (!arguments->spheres.empty() && !arguments->scene.empty())
             throw CLI::ExcludesError("--spheres", "SCENE.toml");
+        if (arguments->probes && !(arguments->scene.empty() && arguments->spheres.empty()))
+            throw CLI::ExcludesError("--probes", "SCENE.toml and --spheres");
         if (arguments->orbit_frames > 0 && arguments->spheres.empty())
             throw CLI::RequiresError("--frames", "--spheres");
         if (arguments->track && !arguments->study.empty()) throw CLI::ExcludesError("--track", "--study");

@@ -29,6 +29,9 @@ BallDepth::BallDepth(const BallScene& scene, const Eigen::Vector3d& place_m, con
         }
     });
     nearness_ = median_of(nearness_, 1);
+    drop_specks(nearness_, scale_, [&](int x, int y) {
+        return plane_nearness(scene, place_m, latlong_direction(x, y, 2 * height, height));
+    });
 }
 
 Eigen::Vector3d BallDepth::place_of(const Eigen::Vector3d& towards, double nearness) const {

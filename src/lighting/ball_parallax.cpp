@@ -9,7 +9,9 @@
 #include <optional>
 
 #include "core/parallel.h"
+#include "lighting/latlong_grid.h"
 #include "lighting/latlong_lookup.h"
+#include "lighting/latlong_regions.h"
 #include "lighting/probe.h"
 
 namespace matchlight {
@@ -175,6 +177,7 @@ NearnessScale nearness_scale(const BallScene& scene, int height) {
     // A lamp of a pixel or less is drawn wherever in the pixel of each of two views it falls: a pixel off in each.
     for (const BallView& view : scene.views) pixel = std::max(pixel, finest_pixel(view, scene.ball));
     scale.far = 2 * pixel / apart_m;
+    scale.least_sr = 9 * pixel * pixel;
     return scale;
 }
 
@@ -216,6 +219,18 @@ ImageF median_of(const ImageF& latlong, int reach) {
     return result;
 }
 
+void drop_specks(ImageF& nearness, const NearnessScale& scale, const std::function<double(int x, int y)>& plane) {
+    const LatlongGrid grid(nearness.width(), nearness.height());
+    const auto regions = latlong_regions(nearness.width(), nearness.height(),
+                                         [&](int x, int y) { return nearness.at(x, y) > plane(x, y) + scale.step; });
+    for (const LatlongRegion& region : regions) {
+        double solid_angle_sr = 0;
+        for (const auto& [x, y] : region) solid_angle_sr += grid.solid_angle(y);
+        if (solid_angle_sr >= scale.least_sr) continue;
+        for (const auto& [x, y] : region) nearness.at(x, y) = static_cast<float>(plane(x, y));
+    }
+}
+
 std::vector<BallDepthMap> ball_depth_maps(const BallScene& scene, const BallUnwrap& unwrap, const NearnessScale& scale,
                                           int height) {
     const int width = 2 * height, labels = scale.steps + 1;
@@ -233,17 +248,19 @@ std::vector<BallDepthMap> ball_depth_maps(const BallScene& scene, const BallUnwr
         for (int y = 0; y < height; ++y) {
             for (int x = 0; x < width; ++x) guide.at(x, y) = map.light.at(x, y, 1);
         }
+        const auto plane = [&](int x, int y) {
+            return plane_nearness(scene, vector_at(map.point_m, x, y), latlong_direction(x, y, width, height));
+        };
         map.costs = smoothed(costs);
         const LabelCosts sums = semi_global_sums(map.costs, guide, penalties);
         for (int y = 0; y < height; ++y) {
             for (int x = 0; x < width; ++x) {
                 const double nearness = best_label(sums.at(x, y), labels) * scale.step;
-                const double plane =
-                    plane_nearness(scene, vector_at(map.point_m, x, y), latlong_direction(x, y, width, height));
-                map.nearness.at(x, y) = static_cast<float>(std::max(nearness < scale.far ? 0 : nearness, plane));
+                map.nearness.at(x, y) = static_cast<float>(std::max(nearness < scale.far ? 0 : nearness, plane(x, y)));
             }
         }
         map.nearness = median_of(map.nearness, 2);
+        drop_specks(map.nearness, scale, plane);
     }
     return maps;
 }

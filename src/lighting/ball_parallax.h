@@ -2,6 +2,7 @@
 // light on other parts of the ball.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,6 +35,7 @@ struct NearnessScale {
     double far = 0;       // 1/m: what is less near is far away: its parallax is lost in the photographs' pixels
     double farthest = 0;  // 1/m: stands for 0 where a place is needed; its parallax is a millionth of a radian
     int steps = 0;        // the nearest
+    double least_sr = 0;  // what is smaller than this is no evidence: costs are means over 3 × 3 pixels
 
     /// Whether anything is so near that it is told from what is far: not of one view, nor of views from one side.
     bool tells() const { return steps > 0 && far <= steps * step; }
@@ -57,6 +59,9 @@ double plane_nearness(const BallScene& scene, const Eigen::Vector3d& from_m, con
 
 /// Every pixel the median of those around it, `reach` pixels each way, over the seam: lone errors go, edges stay.
 ImageF median_of(const ImageF& latlong, int reach);
+
+/// What is nearer than the plane in so small a region that it is no evidence is as far as the plane.
+void drop_specks(ImageF& nearness, const NearnessScale& scale, const std::function<double(int x, int y)>& plane);
 
 /// Of every view, for two views or more. A direction's nearness is the one at which the other views show the same
 /// light, and smooth but for jumps (semi_global.h); nothing lies below the plane.

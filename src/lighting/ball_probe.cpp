@@ -124,8 +124,8 @@ BallProbe probe_from_balls(const BallScene& whole_scene, const BallProbeOptions&
                     0};
     const MapSamples samples = map_samples(options.samples_a_side);
     std::optional<BallDepth> depth;
-    const int depth_rows =
-        std::min(height, options.parallax == BallParallax::coarse ? coarse_depth_rows : full_depth_rows);
+    const int depth_rows = std::min({height, natural_height(views, scene.ball),
+                                     options.parallax == BallParallax::coarse ? coarse_depth_rows : full_depth_rows});
     if (options.parallax != BallParallax::off && nearness_scale(scene, depth_rows).tells()) {
         depth.emplace(scene, options.place_m, unwrap, depth_rows);
     }

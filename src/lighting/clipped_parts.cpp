@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 
 #include "lighting/latlong_grid.h"
+#include "lighting/latlong_regions.h"
 
 namespace matchlight {
 namespace {
@@ -107,30 +108,20 @@ double ClippedPart::bound() const {
 std::vector<ClippedPart> clipped_parts(const BallProbe& probe) {
     const LatlongGrid grid(probe.radiance.width(), probe.radiance.height());
     const int width = grid.width(), height = grid.height();
-    Image8 taken(width, height, 1);
+    const auto regions = latlong_regions(width, height, [&](int x, int y) { return probe.clipped.at(x, y) >= 0.1F; });
     std::vector<ClippedPart> parts;
-    for (int start = 0; start < width * height; ++start) {
-        std::vector<std::pair<int, int>> queue = {{start % width, start / width}};
+    for (const LatlongRegion& region : regions) {
         ClippedPart part;
         Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-        while (!queue.empty()) {
-            const auto [x, y] = queue.back();
-            queue.pop_back();
-            if (taken.at(x, y) != 0 || probe.clipped.at(x, y) < 0.1F) continue;
-            taken.at(x, y) = 1;
+        for (const auto& [x, y] : region) {
             ClippedPart::Pixel pixel{x, y, latlong_direction(x, y, width, height), Eigen::Vector3d::Zero()};
             pixel.light =
                 Eigen::Map<const Eigen::Vector3f>(probe.radiance.pixel(x, y)).cast<double>() * grid.solid_angle(y);
             middle += pixel.towards * pixel.light.sum();
             part.light.solid_angle_sr += grid.solid_angle(y);
             part.pixels.push_back(pixel);
-            for (int dy = -1; dy <= 1; ++dy) {
-                for (int dx = -1; dx <= 1; ++dx) {
-                    if (y + dy >= 0 && y + dy < height) queue.emplace_back((x + dx + width) % width, y + dy);
-                }
-            }
         }
-        if (part.pixels.empty() || middle.norm() <= 0) continue;
+        if (middle.norm() <= 0) continue;
         part.light.direction = middle.normalized();
         parts.push_back(std::move(part));
     }
