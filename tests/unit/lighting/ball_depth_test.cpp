@@ -35,19 +35,24 @@ Eigen::Vector3d room_with_screen(const Eigen::Vector3d& place_m, const Eigen::Ve
     return far_room(towards);
 }
 
-/// Two views of a ball 60 pixels in radius.
-std::vector<BallView> two_views(const Surroundings& surroundings) {
+std::vector<BallView> two_views_of(const MirrorBall& of, const Camera& camera, const Sky& sky,
+                                   const Surroundings& surroundings) {
     std::vector<BallView> views;
     for (const Eigen::Vector3d& eye : {Eigen::Vector3d(0.45, -0.2, 0.5), Eigen::Vector3d(-0.5, -0.15, 0.45)}) {
         BallShot shot;
-        shot.camera = long_lens(200, 150, 1200);
-        shot.ball = ball;
-        shot.camera_from_world = looking_at(eye, ball.centre_m);
+        shot.camera = camera;
+        shot.ball = of;
+        shot.camera_from_world = looking_at(eye, of.centre_m);
         shot.near = surroundings;
-        views.push_back(photographed(shot, far_room));
+        views.push_back(photographed(shot, sky));
         views.back().camera_from_world = shot.camera_from_world;
     }
     return views;
+}
+
+/// Two views of a ball 60 pixels in radius.
+std::vector<BallView> two_views(const Surroundings& surroundings) {
+    return two_views_of(ball, long_lens(200, 150, 1200), far_room, surroundings);
 }
 
 BallProbe probe_of(const std::vector<BallView>& views, bool parallax) {
@@ -179,15 +184,7 @@ TEST(BallDepth, TheEdgeOfALampThatTwoViewsDrawDifferentlyIsNotNear) {
     // Found so: two pixels of the maps beside this lamp were taken for near, which moved some of its light.
     const Sky room = room_with_lamp(Eigen::Vector3d(0.3, 0.5, 0.8).normalized(), 500);
     const MirrorBall here{{0, 0, 0.05}, 0.035};
-    std::vector<BallView> views;
-    for (const Eigen::Vector3d& eye : {Eigen::Vector3d(0.45, -0.2, 0.5), Eigen::Vector3d(-0.5, -0.15, 0.45)}) {
-        BallShot shot;
-        shot.camera = long_lens(160, 120, 900);
-        shot.ball = here;
-        shot.camera_from_world = looking_at(eye, here.centre_m);
-        views.push_back(photographed(shot, room));
-        views.back().camera_from_world = shot.camera_from_world;
-    }
+    const std::vector<BallView> views = two_views_of(here, long_lens(160, 120, 900), room, {});
     const BallScene scene{views, here, Eigen::Vector3d::Ones(), std::nullopt, nullptr};
     BallProbeOptions options;
     options.place_m = here.centre_m;
