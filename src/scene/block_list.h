@@ -5,16 +5,21 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <new>
+#include <type_traits>
 #include <utility>
 #include <vector>
+
+#include <sys/mman.h>
 
 namespace matchlight {
 
 template <class T>
 class BlockList {
 public:
-    /// Above glibc's largest threshold (32 MiB): the system gets such a block back as soon as it is freed.
-    static constexpr std::size_t block_items = (33u << 20) / sizeof(T);
+    static_assert(std::is_trivially_copyable_v<T>);
+    static constexpr std::size_t block_bytes = std::size_t{4} << 20;
+    static constexpr std::size_t block_items = block_bytes / sizeof(T);
 
     /// Of an empty list: how long it will be, at least; then nothing is copied at all.
     void reserve(std::size_t size) { first_.reserve(size); }
@@ -28,7 +33,7 @@ public:
             first_.push_back(item);
             return;
         }
-        if (is_full()) rest_.push_back(std::make_unique_for_overwrite<T[]>(block_items));
+        if (is_full()) rest_.push_back(new_block());
         rest_[rest_size_ / block_items][rest_size_ % block_items] = item;
         ++rest_size_;
     }
@@ -48,7 +53,7 @@ public:
         first_ = {};
         all.erase(all.begin() + static_cast<std::ptrdiff_t>(std::min(count, all.size())), all.end());
         all.reserve(count);
-        for (std::unique_ptr<T[]>& block : rest_) {
+        for (Block& block : rest_) {
             const std::size_t items = std::min(block_items, count - all.size());
             all.insert(all.end(), block.get(), block.get() + items);
             block.reset();
@@ -59,8 +64,19 @@ public:
     }
 
 private:
+    struct Unmap {
+        void operator()(T* items) const { munmap(items, block_bytes); }
+    };
+    using Block = std::unique_ptr<T[], Unmap>;
+    /// From the system, which gets it back as soon as it is freed: malloc would keep some of that size.
+    static Block new_block() {
+        void* const memory = mmap(nullptr, block_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        if (memory == MAP_FAILED) throw std::bad_alloc();
+        return Block(static_cast<T*>(memory));
+    }
+
     std::vector<T> first_;
-    std::vector<std::unique_ptr<T[]>> rest_;
+    std::vector<Block> rest_;
     std::size_t rest_size_ = 0;
 };
 
