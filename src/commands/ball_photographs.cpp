@@ -2,8 +2,12 @@
 #include "commands/ball_photographs.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "calibration/exposure_series.h"
 #include "commands/photograph_options.h"
@@ -40,6 +44,20 @@ bool is_merged(const std::vector<fs::path>& files) {
     return files.size() == 1 && (extension == ".exr" || extension == ".hdr");
 }
 
+/// What is no deviation is as unsure as the light itself.
+void repair_sigma(BallView& view, Warnings& warnings) {
+    std::int64_t repaired = 0;
+    for (std::size_t i = 0; i < view.sigma.samples().size(); ++i) {
+        float& sigma = view.sigma.samples()[i];
+        if (std::isfinite(sigma) && sigma >= 0) continue;
+        sigma = view.radiance.samples()[i];
+        ++repaired;
+    }
+    if (repaired == 0) return;
+    warnings.add(fmt::format("{}: {} samples of sigma are negative or no numbers and were set to the light's own",
+                             view.name.string(), repaired));
+}
+
 }  // namespace
 
 BallView BallPhotographs::read(const std::vector<std::string>& given, Warnings& warnings) {
@@ -63,7 +81,10 @@ BallView BallPhotographs::merged_before(const fs::path& file, Warnings& warnings
     view.camera = camera_for_size(reading_.camera, width, height, file);
     if (lowercase_extension(file) != ".exr") return view;
     const ExrFile exr(file);
-    if (exr.has_channel(0, "sigma.R")) view.sigma = exr.read(0, {"sigma.R", "sigma.G", "sigma.B"});
+    if (exr.has_channel(0, "sigma.R")) {
+        view.sigma = exr.read(0, {"sigma.R", "sigma.G", "sigma.B"});
+        repair_sigma(view, warnings);
+    }
     if (exr.has_channel(0, "clipped")) {
         const ImageF flags = exr.read(0, {"clipped"});
         view.clipped = Image8(width, height, 1);

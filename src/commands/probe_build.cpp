@@ -30,6 +30,7 @@
 #include "lighting/probe_record.h"
 #include "lighting/resample.h"
 #include "scene/scene_file.h"
+#include "tracking/solve_file.h"
 
 namespace matchlight {
 namespace {
@@ -187,6 +188,17 @@ std::optional<DiffuseBallOptions> diffuse_options(const ProbeBuildCall& call) {
     return options;
 }
 
+/// Places that the scene leaves open are those that `track` found, if it has: the probe is to turn with the same world.
+void take_solved_places(const Scene& scene, TagSettings& tags) {
+    const auto open = [](const RigTag& tag) { return !tag.world_from_tag; };
+    if (std::ranges::none_of(tags.rig, open) || !fs::exists(scene.footage.solve)) return;
+    const Solve solve = load_solve(scene.footage.solve);
+    for (RigTag& tag : tags.rig) {
+        const auto solved = std::ranges::find(solve.rig, tag.id, &SolvedTag::id);
+        if (open(tag) && solved != solve.rig.end()) tag.world_from_tag = solved->world_from_tag;
+    }
+}
+
 BallBuildOptions build_options(const ProbeBuildCall& call, Warnings& warnings) {
     BallBuildOptions options;
     options.ball_radius_m = call.ball_radius_m;
@@ -202,6 +214,7 @@ BallBuildOptions build_options(const ProbeBuildCall& call, Warnings& warnings) {
         const Scene scene = load_scene(call.rig, warnings);
         if (scene.tags.rig.empty()) throw InputError(call.rig, "has no [tags] rig", "list the tags beside the ball");
         options.tags = scene.tags;
+        take_solved_places(scene, *options.tags);
         if (scene.probe) options.place_m = scene.probe->place_m;
     }
     if (!call.place.empty()) options.place_m = Eigen::Vector3d(call.place[0], call.place[1], call.place[2]);

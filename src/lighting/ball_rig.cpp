@@ -285,6 +285,13 @@ BallRig find_rig(std::vector<BallView>& views, const TagSettings& tags, double b
     }
     const RigSolution solution = solve_rig(tags.rig, frames);
     const BallRig rig = placed_rig(tags, solution, detector.family());
+    const int lowest = std::ranges::min(tags.rig, {}, &RigTag::id).id;
+    if (solution.origin && *solution.origin != lowest) {
+        warnings.add(
+            fmt::format("{}: the scene gives no places of its tags, and tag {}, which is its world, is not whole here: "
+                        "the probe's axes are those of tag {} (track the scene first, or give the places in [tags])",
+                        views.front().name.string(), lowest, *solution.origin));
+    }
     Eigen::Vector3d ball_m = Eigen::Vector3d::Zero();
     int posed = 0;
     for (std::size_t i = 0; i < views.size(); ++i) {

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
 #include "core/image.h"
@@ -89,6 +91,21 @@ TEST_F(ProbeBuild, RefusesWhatCannotBeADiffuseBall) {
     expect_refused(with({"--sun-from-diffuse-ball", developed}), {"grey.png", "merged already"});
 }
 
+TEST_F(ProbeBuild, RepairsWhatIsNoDeviation) {
+    ImageF image(160, 120, 6, 0.3F);
+    image.at(5, 5, 3) = std::numeric_limits<float>::quiet_NaN();
+    image.at(6, 5, 4) = -1;
+    image.at(7, 5, 5) = std::numeric_limits<float>::infinity();
+    const fs::path path = scratch_ / "merged.exr";
+    const std::vector<std::string> channels = {"R", "G", "B", "sigma.R", "sigma.G", "sigma.B"};
+    write_exr(path, 160, 120, {{"radiance", channels, &image, false, {}}}, {});
+    // It holds no ball; but its samples are repaired, and counted, as it is read.
+    const RunResult result = run_matchlight({"probe", "build", "-o", (scratch_ / "out.exr").string(), "--view",
+                                             path.string(), "--camera", camera(160, 120), "--ball-radius", "0.035"});
+    EXPECT_TRUE(failed_naming(result, {"merged.exr", "no ball"}));
+    EXPECT_NE(result.standard_error.find("3 samples of sigma"), std::string::npos) << result.standard_error;
+}
+
 TEST_F(ProbeBuild, RefusesToWriteOverItsPhotographs) {
     const std::string plain = picture("plain.exr");
     EXPECT_TRUE(failed_naming(run_matchlight({"probe", "build", "-o", plain, "--overwrite", "--view", plain, "--camera",
@@ -143,6 +160,45 @@ TEST_F(TableBall, BecomesTheLightThatWasThere) {
     EXPECT_LT(score["irradiance_rmse"].get<double>(), 0.035);
     EXPECT_LT(score["brightest_angle_deg"].get<double>(), 0.3);
     EXPECT_LT(score["median_abs_ev"].get<double>(), 0.055);
+}
+
+TEST_F(TableBall, WithoutPlacesTheAxesAreThoseThatTheSceneWasTrackedIn) {
+    const fs::path table = data_ / "table", scene = scratch_ / "shot.toml";
+    std::ofstream(scene) << "[footage]\nvideo = '" << (table / "plate.mp4").string() << "'\ncamera = '"
+                         << (table / "camera.yaml").string()
+                         << "'\n[tags]\nrig = [{id = 0, size = 0.08}, {id = 1, size = 0.08}]\n";
+    const auto centre = [&](const std::string& said) {
+        const fs::path balls = table / "balls";
+        const RunResult result =
+            run_matchlight({"probe", "build", "--json", "--overwrite", "-o", (scratch_ / "probe.exr").string(),
+                            "--view", (balls / "v1_b1.jpg").string(), (balls / "v1_b3.jpg").string(), "--camera",
+                            (balls / "camera.yaml").string(), "--ball-radius", "0.035", "--rig", scene.string(),
+                            "--size", "64", "--circle", "450,337,110"});
+        EXPECT_TRUE(succeeded(result));
+        EXPECT_EQ(result.standard_error.find("whole here") != std::string::npos, !said.empty());
+        EXPECT_NE(result.standard_error.find(said), std::string::npos);
+        const json at = json::parse(result.standard_output)["ball"]["centre_m"];
+        return Eigen::Vector3d(at[0].get<double>(), at[1].get<double>(), at[2].get<double>());
+    };
+    // The ball hides tag 0, which is the world. It stands 2 cm off its middle, 14 cm from tag 1, turned by 90°. One
+    // view tells the ball's distance within some millimetres; the two worlds lie 14 cm apart.
+    constexpr double near_m = 0.01;
+    EXPECT_LT((centre("those of tag 1") - Eigen::Vector3d(0.02, -0.14, 0.035)).norm(), near_m);
+    json solve = {{"matchlight_solve", 1},
+                  {"footage", {{"file", "plate.mp4"}, {"width", 640}, {"height", 360}, {"frames", 12}}},
+                  {"lens",
+                   {{"camera_matrix", {{622, 0, 319.5}, {0, 622, 179.5}, {0, 0, 1}}},
+                    {"distortion", {0, 0, 0, 0, 0}},
+                    {"model", "radtan"}}},
+                  {"photometry", {{"response", "srgb"}}},
+                  {"frames", json::array()}};
+    solve["rig"] = {
+        {{"id", 0}, {"size_m", 0.08}, {"world_from_tag", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}}},
+        {{"id", 1},
+         {"size_m", 0.08},
+         {"world_from_tag", {{0, -1, 0, -0.14}, {1, 0, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}}}};
+    std::ofstream(scratch_ / "shot.solve.json") << solve;
+    EXPECT_LT((centre("") - Eigen::Vector3d(0, 0.02, 0.035)).norm(), near_m);
 }
 
 TEST_F(TableBall, LampsThatEveryPhotographClipsGetTheirEnergyFromTheTags) {
