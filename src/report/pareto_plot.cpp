@@ -73,13 +73,16 @@ struct Label {
     const char* anchor;
 };
 
-/// Beside a point where it covers the fewest of what is there already.
+/// A label as far away as this has a line to its point.
+constexpr double far_px = 30;
+
+/// Beside a point where it covers the fewest of what is there already, far above it if need be.
 Label place_label(double x, double y, double text_width, const std::vector<Box>& taken, Box& box) {
     struct Candidate {
         double dx, dy;
         const char* anchor;
     };
-    static constexpr std::array<Candidate, 10> candidates{{{8, -6, "start"},
+    static constexpr std::array<Candidate, 18> candidates{{{8, -6, "start"},
                                                            {8, 14, "start"},
                                                            {-8, -6, "end"},
                                                            {-8, 14, "end"},
@@ -88,7 +91,15 @@ Label place_label(double x, double y, double text_width, const std::vector<Box>&
                                                            {10, -20, "start"},
                                                            {10, 28, "start"},
                                                            {-10, -20, "end"},
-                                                           {-10, 28, "end"}}};
+                                                           {-10, 28, "end"},
+                                                           {8, -34, "start"},
+                                                           {-8, -34, "end"},
+                                                           {8, -48, "start"},
+                                                           {-8, -48, "end"},
+                                                           {8, -62, "start"},
+                                                           {-8, -62, "end"},
+                                                           {8, -76, "start"},
+                                                           {-8, -76, "end"}}};
     Label best{};
     double least = 1e9;
     for (const Candidate& candidate : candidates) {
@@ -189,6 +200,10 @@ std::string pareto_plot_svg(const EffectReport& effect, const PlotWords& words) 
         constexpr double letter_px = 6.2;  // of the 11 px face, on the whole
         const Label label = place_label(px, py, letter_px * static_cast<double>(point->level.size()), taken, box);
         taken.push_back(box);
+        if (std::abs(label.y - py) > far_px) {
+            svg += fmt::format("<line class=\"grid\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>", px,
+                               py - 5, label.x, label.y + 3);
+        }
         svg += fmt::format("<text class=\"label\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", label.x,
                            label.y, label.anchor, html_text(point->level));
     }
