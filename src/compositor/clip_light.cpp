@@ -136,7 +136,11 @@ void ClipLight::set_scene(RenderGraph& graph, const Scene& scene, const SceneCha
     if (change.light) make_lamps(scene, warnings);
     if (change.surface) surface_ = scene.surface;
     if (change.light || change.surface) surface_lights_.clear();
-    if (!change.shadows()) return;
+    // A share of the light that is lost does not depend on how bright the light is; what it is after rounding waits
+    // until the hand rests.
+    const bool hold = dragging_ && change.brightness && !lamps_ && !change.casting && !change.surface;
+    if (hold) coarse_shadows_ = true;
+    if (!change.shadows() || hold) return;
     // Where nothing casts any more, no pass would say so.
     contact_shadow_.reset();
     cast_shadow_.reset();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
@@ -133,6 +134,8 @@ void Compositor::Impl::place_objects(const SolvedFrame& frame) {
 bool Compositor::Impl::set_scene(const Scene& changed) {
     const SceneChange change = change_between(scene, changed);
     const ObjectPreparation before = object_preparation(scene), after = object_preparation(changed);
+    spill_alone_changed = differ_in_spill_alone(scene, changed);
+    if (!spill_alone_changed) drawn.reset();
     if (change.all || options.budget || options.overscan.any() || before.fine_meshes != after.fine_meshes) return false;
     if (change.materials && after.traced) return false;  // rays have the materials with the vertices
     surface_is_stale = surface_is_stale || needs_other_surface(changed, change);
@@ -172,6 +175,7 @@ bool Compositor::Impl::set_dragging(bool now) {
     context.make_current();
     dragging = now;
     const bool stale = light->set_dragging(graph, dragging, warnings);
+    if (stale) drawn.reset();
     light_is_stale = light_is_stale || stale;
     return dragging || !surface_is_stale;
 }
@@ -244,14 +248,22 @@ FrameResources Compositor::Impl::resources() {
             .camera = solve.camera,
             .lens_map = lens_map,
             .quality = quality,
+            .drawn = drawn,
             .gathered = options.gathered_surface.get(),
             .background = background ? &*background : nullptr,
             .overscan = options.overscan,
             .timed = options.timed};
 }
 
+void Compositor::Impl::keep_objects_of(std::int64_t frame) {
+    const bool same_frame = frame == std::exchange(drawn_frame, frame);
+    const bool same = std::exchange(spill_alone_changed, false) && same_frame;
+    if (!same || options.timed || options.layers) drawn.reset();
+}
+
 CompositedFrame Compositor::composite(PlateFrame plate) {
     CompositedFrame result{.plate = std::move(plate), .reach = {}, .code = {}, .touched = {}, .layers = std::nullopt};
+    impl_->keep_objects_of(result.plate.index());
     const std::optional<FramePlan> plan = impl_->plan_of(result.plate, false);
     if (!plan) return result;
     FramePasses(impl_->resources(), *plan).composite(result, impl_->options);
@@ -267,6 +279,7 @@ CompositedFrame Compositor::composite(PlateFrame plate) {
 }
 
 void Compositor::set_effects(const EffectSettings& effects) {
+    impl_->drawn.reset();
     impl_->effects.set_settings(effects);
 }
 
@@ -279,6 +292,7 @@ bool Compositor::set_dragging(bool dragging) {
 }
 
 void Compositor::set_pose(std::int64_t frame, const RigidTransform& camera_from_world) {
+    impl_->drawn.reset();
     for (SolvedFrame& solved : impl_->solve.frames) {
         if (solved.frame == frame) solved.camera_from_world = camera_from_world;
     }
@@ -301,11 +315,15 @@ void Compositor::set_timed(bool timed) {
 ShaderReload Compositor::reload_shaders() {
     impl_->context.make_current();
     ShaderReload reload = impl_->shaders.reload_changed();
-    if (!reload.reloaded.empty()) impl_->graph.forget_kept();
+    if (!reload.reloaded.empty()) {
+        impl_->graph.forget_kept();
+        impl_->drawn.reset();
+    }
     return reload;
 }
 
 ImageF Compositor::meter_map(const PlateFrame& plate) {
+    impl_->drawn.reset();
     const std::optional<FramePlan> plan = impl_->plan_of(plate, true);
     ImageF map = FramePasses(impl_->resources(), *plan).meter_map(plate);
     check_no_gl_error(fmt::format("metering frame {}", plate.index()));

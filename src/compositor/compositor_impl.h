@@ -38,6 +38,8 @@ struct Compositor::Impl {
     void make_light();
     /// Puts objects where they are in the frame, and makes what is stale of their light.
     void place_objects(const SolvedFrame& frame);
+    /// Before a frame is drawn: lets go of the objects that were drawn for another one, or of another scene.
+    void keep_objects_of(std::int64_t frame);
     void prepare_composite(const PlateFormat& format);
     const Response& response_of(const PlateFormat& format) const;
     FrameOptics optics_of(const SolvedFrame& frame) const;
@@ -86,6 +88,9 @@ struct Compositor::Impl {
     std::optional<ShadowFootprint> footprint;         // made with the first frame, whose depth sets the limit
     std::optional<MatteSource> matte;                 // of what is real and in front
     std::optional<DepthSource> depth;                 // of what the footage shows
+    std::optional<DrawnObjects> drawn;                // of `drawn_frame`, for set_scene()
+    std::int64_t drawn_frame = 0;
+    bool spill_alone_changed = false;  // since they were drawn
     SceneFocus scene_focus;
     LensMap lens_map;
     std::unique_ptr<CompositePass> composite_pass;

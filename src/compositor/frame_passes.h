@@ -49,6 +49,11 @@ struct FramePlan {
     bool posed = true;  // false: nothing virtual can be placed, and only the plate's own exposure may change
 };
 
+/// The objects as they were drawn for a frame, in textures that hold until others are drawn.
+struct DrawnObjects {
+    VirtualLayer layer, coverage_layer;
+};
+
 /// What frames share, and outlives them.
 struct FrameResources {
     GlContext& context;
@@ -67,6 +72,7 @@ struct FrameResources {
     const Camera& camera;
     const LensMap& lens_map;
     const Quality& quality;
+    std::optional<DrawnObjects>& drawn;         // that are not drawn again; empty: what is drawn is noted there
     const GatheredSurface* gathered = nullptr;  // what the clip shows of the surface
     const Background* background = nullptr;     // of a scene without footage
     Overscan overscan = {};
@@ -94,6 +100,8 @@ private:
         Region plate;              // the pixels it covers
     };
     PlacedView place_view(Eigen::AlignedBox2d bounds, VirtualLayer& layer) const;
+    /// Notes what was drawn.
+    void keep_objects();
     void place_on_plate_pixels(const Eigen::AlignedBox2d& bounds, VirtualLayer& layer, SurfaceView& view) const;
     /// Of the view's part of the plate; null where depths are not known.
     std::optional<RealDepth> real_depth(const PlacedView& placed) const;

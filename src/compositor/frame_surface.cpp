@@ -123,6 +123,13 @@ GraphTexture FramePasses::add_surface(bool layers) {
     constexpr double bytes_a_sample = 8 + 4;
     const SurfaceView& view = placed.view;
     const GraphTexture drawn = graph.import(nullptr, {.format = GL_NONE, .region = placed.plate});
+    if (const std::optional<DrawnObjects> kept = resources_.drawn) {
+        graph.add_pass({.name = "surface as it was", .provides = {drawn}, .draw = [this, kept](PassRun&) {
+                            layer_ = kept->layer;
+                            coverage_layer_ = kept->coverage_layer;
+                        }});
+        return drawn;
+    }
     graph.add_pass({.name = "surface",
                     .reads = inputs,
                     .provides = {drawn},
@@ -148,13 +155,19 @@ GraphTexture FramePasses::add_surface(bool layers) {
                         for (SurfacePicture* picture :
                              {&coverage_layer_.picture, &coverage_layer_.hidden, &coverage_layer_.transparent})
                             picture->color = picture->coverage;
-                        if (!layers) return;
+                        if (!layers) return keep_objects();
                         const SurfacePicture geometry = surfaces.draw_layers(seen);
                         layer_.picture.depth_m = geometry.depth_m;
                         layer_.picture.normal = geometry.normal;
                         layer_.picture.object_id = geometry.object_id;
                     }});
     return drawn;
+}
+
+void FramePasses::keep_objects() {
+    // Holdouts are drawn after the objects, and may take textures of theirs.
+    if (resources_.surfaces.any_holdout() || plan_.neighbours) return;
+    resources_.drawn = DrawnObjects{.layer = layer_, .coverage_layer = coverage_layer_};
 }
 
 GraphTexture FramePasses::add_holdouts() {

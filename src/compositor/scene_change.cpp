@@ -63,6 +63,14 @@ bool loads_otherwise(const Scene& before, const Scene& after) {
     return of_clip || of_quality || !std::ranges::equal(before.objects, after.objects, {}, loaded_part, loaded_part);
 }
 
+bool differs_in_brightness_alone(const Scene& before, const Scene& after) {
+    if (!before.probe || !after.probe || before.lamps != after.lamps) return false;
+    ProbeSettings as_bright = *after.probe;
+    as_bright.placement.exposure_ev = before.probe->placement.exposure_ev;
+    return as_bright == *before.probe && after.lamps.empty() &&
+           std::ranges::equal(before.objects, after.objects, {}, &ObjectSettings::lights, &ObjectSettings::lights);
+}
+
 }  // namespace
 
 SceneChange change_between(const Scene& before, const Scene& after) {
@@ -85,9 +93,19 @@ SceneChange change_between(const Scene& before, const Scene& after) {
                              before.effects.vignette != after.effects.vignette ||
                              !std::ranges::equal(holdouts_of(before), holdouts_of(after));
     change.light = change.light || before.probe != after.probe || before.lamps != after.lamps;
+    change.brightness = change.light && differs_in_brightness_alone(before, after);
     change.surface = before.surface != after.surface;
     change.background = before.background != after.background;
     return change;
+}
+
+bool differ_in_spill_alone(const Scene& before, const Scene& after) {
+    EffectSettings effects = after.effects;
+    effects.bloom = before.effects.bloom;
+    effects.glare = before.effects.glare;
+    effects.dazzle = before.effects.dazzle;
+    return effects == before.effects && before.objects == after.objects &&
+           change_between(before, after) == SceneChange{};
 }
 
 }  // namespace matchlight

@@ -146,6 +146,50 @@ TEST_F(EditedScene, KeepsWhatItsChangeLeavesAlone) {
     EXPECT_EQ(made("light/reflection cube"), cube);
 }
 
+TEST_F(EditedScene, DrawsNoObjectsAgainWhereOtherLightSpills) {
+    scene_.effects.bloom.emplace().threshold = 0.1;
+    Compositor compositor(context(), scene_, solve_, options(), warnings_);
+    const auto objects_drawn = [&] {
+        const std::vector<PassReport> reports = compositor.reports();
+        return std::ranges::any_of(reports, [](const PassReport& pass) { return pass.name == "surface"; });
+    };
+    const auto before = frame_of(compositor);
+    EXPECT_TRUE(objects_drawn());
+    scene_.effects.bloom->strength *= 2;
+    ASSERT_TRUE(compositor.set_scene(scene_));
+    const auto brighter = frame_of(compositor);
+    EXPECT_FALSE(objects_drawn());
+    EXPECT_FALSE(brighter == before);
+    EXPECT_TRUE(brighter == made_afresh(scene_));
+    // And for another frame, or with another lens as well, they are.
+    scene_.effects.bloom->strength *= 2;
+    ASSERT_TRUE(compositor.set_scene(scene_));
+    EXPECT_TRUE(frame_of(compositor, 1) == made_afresh(scene_, 1));
+    EXPECT_TRUE(objects_drawn());
+    scene_.effects.glare.emplace();
+    scene_.effects.depth_of_field.emplace().focus_distance_m = 0.3;
+    ASSERT_TRUE(compositor.set_scene(scene_));
+    EXPECT_TRUE(frame_of(compositor, 1) == made_afresh(scene_, 1));
+    EXPECT_TRUE(objects_drawn());
+    scene_.effects.glare.reset();
+    ASSERT_TRUE(compositor.set_scene(scene_));
+    EXPECT_TRUE(frame_of(compositor, 1) == made_afresh(scene_, 1)) << "out of focus";
+    EXPECT_FALSE(objects_drawn());
+    frame_of(compositor, 1);
+    EXPECT_TRUE(objects_drawn()) << "nothing changed: a frame that is drawn again is drawn";
+}
+
+TEST_F(EditedScene, HoldsShadowsWhileTheLightGetsBrighter) {
+    Compositor compositor(context(), scene_, solve_, options(), warnings_);
+    const auto before = frame_of(compositor);
+    ASSERT_TRUE(compositor.set_dragging(true));
+    scene_.probe->placement.exposure_ev += 1;
+    ASSERT_TRUE(compositor.set_scene(scene_));
+    EXPECT_FALSE(frame_of(compositor) == before);
+    ASSERT_TRUE(compositor.set_dragging(false));
+    EXPECT_TRUE(frame_of(compositor) == made_afresh(scene_));
+}
+
 TEST_F(EditedScene, NeedsAnotherPictureOfASurfaceThatMoved) {
     GatheredSurface gathered;
     gathered.radiance = ImageF(2, 2, 4, 0.5F);
