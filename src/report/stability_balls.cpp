@@ -3,7 +3,9 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -100,6 +102,78 @@ StabilityOutcome clipped_lamp_energy(double radiance, float limit) {
     return {lights.empty() ? 0 : lights.front().gain.y() * static_cast<double>(limit) / radiance};
 }
 
+/// How far the outline lies from the true one where the ball stands `clear_px` inside the picture's edge.
+double outline_error_at_edge_px(double radius_px, double clear_px) {
+    BallShot shot = shot_of(radius_px);
+    const double middle_px = shot.camera.pixel_from_camera(shot.camera_from_world * shot.ball.centre_m).x();
+    shot.camera.cx += radius_px + clear_px - middle_px;
+    const BallView view = photographed(shot, room_with_lamp(lamp, 500), 4);
+    const Eigen::Vector3d centre = shot.camera_from_world * shot.ball.centre_m;
+    const BallOutline found = find_ball(view.radiance, shot.camera, std::nullopt, "synthetic ball");
+    return (shot.camera.pixel_from_camera(found.axis) - shot.camera.pixel_from_camera(centre.normalized())).norm();
+}
+
+/// A ball of 40 pixels seen from so many degrees around it, noise of 3 % on its light, times `gain`.
+std::vector<BallView> views_around(const std::vector<double>& azimuths_deg, float gain) {
+    std::vector<BallView> views;
+    std::mt19937 random(5);
+    std::normal_distribution<float> normal;
+    for (const double azimuth_deg : azimuths_deg) {
+        BallShot shot = shot_of(20);
+        const double azimuth = azimuth_deg * std::numbers::pi / 180;
+        const Eigen::Vector3d from_ball(0.8 * std::cos(azimuth), 0.8 * std::sin(azimuth), 0.6);
+        shot.camera = long_lens(56, 56, 400);
+        shot.camera_from_world = looking_at(shot.ball.centre_m + 0.7 * from_ball, shot.ball.centre_m);
+        views.push_back(photographed(shot, room_with_lamp(lamp, 500)));
+        views.back().camera_from_world = shot.camera_from_world;
+        for (float& sample : views.back().radiance.samples()) {
+            sample = gain * std::max(0.F, sample * (1 + 0.03F * normal(random)));
+        }
+    }
+    return views;
+}
+
+BallProbe probe_of(const std::vector<BallView>& views, BallParallax parallax) {
+    const BallShot shot = shot_of(20);
+    BallProbeOptions options;
+    options.place_m = shot.ball.centre_m;
+    options.parallax = parallax;
+    return probe_from_balls({views, shot.ball, Eigen::Vector3d::Constant(shot.reflectance), std::nullopt, nullptr},
+                            options);
+}
+
+/// Samples that parallax changes where nothing is near.
+double changed_by_parallax(const std::vector<double>& azimuths_deg) {
+    const std::vector<BallView> views = views_around(azimuths_deg, 1);
+    const BallProbe with = probe_of(views, BallParallax::full), without = probe_of(views, BallParallax::off);
+    double changed = 0;
+    for (std::size_t i = 0; i < with.radiance.samples().size(); ++i) {
+        changed += with.radiance.samples()[i] == without.radiance.samples()[i] ? 0 : 1;
+    }
+    return changed;
+}
+
+/// Samples of a probe from black photographs that are not 0.
+double light_of_black() {
+    const BallProbe probe = probe_of(views_around({-90, 0}, 0), BallParallax::full);
+    double lit = 0;
+    for (const float sample : probe.radiance.samples()) lit += sample == 0 ? 0 : 1;
+    return lit;
+}
+
+/// In even light of 1, out to the rim where the ball reflects at grazing angles: the worst difference from 1.
+double worst_of_even_light() {
+    BallShot shot = shot_of(60);
+    BallView view = photographed(shot, [](const Eigen::Vector3d&) { return Eigen::Vector3d::Ones().eval(); });
+    view.camera_from_world = shot.camera_from_world;
+    const std::vector<BallView> views = {view};
+    const BallProbe probe =
+        probe_from_balls({views, shot.ball, Eigen::Vector3d::Constant(shot.reflectance), std::nullopt, nullptr}, {});
+    double worst = 0;
+    for (const float sample : probe.radiance.samples()) worst = std::max(worst, std::abs(sample - 1.0));
+    return worst;
+}
+
 }  // namespace
 
 std::vector<StabilityCase> ball_cases(bool quick) {
@@ -123,6 +197,26 @@ std::vector<StabilityCase> ball_cases(bool quick) {
          {},
          [] { return lamp_energy(150, 3, 1e6, 128); }},
     };
+    cases.push_back({"mirror ball", "of 80 pixels, 3 from the picture's edge", "middle off by, px", {0, 0.4}, {}, [] {
+                         return StabilityOutcome{outline_error_at_edge_px(40, 3)};
+                     }});
+    // At the rim the reflectance bends within a pixel, which holds its mean.
+    cases.push_back({"mirror ball", "in even light, out to its rim", "worst difference from it", {0, 0.02}, {}, [] {
+                         return StabilityOutcome{worst_of_even_light()};
+                     }});
+    cases.push_back({"mirror ball", "black in every photograph", "samples that are not 0", {0, 0}, {}, [] {
+                         return StabilityOutcome{light_of_black()};
+                     }});
+    for (const auto& [name, azimuths_deg] : std::vector<std::pair<std::string, std::vector<double>>>{
+             {"one view", {-90}},
+             {"two views from one place", {-90, -90}},
+             {"two views 3 degrees apart", {-90, -87}},
+             {"two views of a far room, noise of 3 %", {-90, -10}},
+             {"three views of a far room, noise of 3 %", {-90, 20, 150}}}) {
+        cases.push_back({"parallax", name, "samples that it changes", {0, 0}, {}, [azimuths = azimuths_deg] {
+                             return StabilityOutcome{changed_by_parallax(azimuths)};
+                         }});
+    }
     for (const double radiance : {12.0, 1e6, 1e12}) {
         cases.push_back({"matte ball",
                          fmt::format("a lamp of {:g} times the walls that photographs held at 10", radiance),
