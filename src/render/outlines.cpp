@@ -39,9 +39,15 @@ void ObjectOutlines::draw(const Input& input) {
               Eigen::Matrix3f(world_from_pixel(input.clip_from_world, input.width, input.height).cast<float>()));
     triangle_.draw();
 
-    Program& lines = shaders_.full_screen("effects/outlines/draw.frag");
+    ShaderDefines defines;
+    if (input.bind_depth_cue) defines["DEPTH_CUE"] = "1";
+    Program& lines = shaders_.full_screen("effects/outlines/draw.frag", defines);
     input.target.bind(region);
     lines.use();
+    if (input.bind_depth_cue) {
+        input.bind_depth_cue(lines);
+        lines.bind_texture("layer_depth_m", 2, input.depth_m);
+    }
     lines.bind_texture("edges", 0, edges_);
     lines.bind_texture("layer_object_id", 1, input.object_id);
     lines.set("picture_size", size);

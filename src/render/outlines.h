@@ -2,6 +2,7 @@
 // Rendering of 3-D Shapes").
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include <Eigen/Core>
@@ -30,6 +31,8 @@ public:
         int width = 0, height = 0;
         Eigen::Matrix4d clip_from_world = Eigen::Matrix4d::Identity();
         const Framebuffer& target;  // premultiplied colour
+        /// The uniforms of surface/depth_cue.glsl; empty: lines keep their colour however far they are.
+        std::function<void(Program&)> bind_depth_cue = {};
     };
     /// How much of a pixel is covered stays as it is.
     void draw(const Input& input);

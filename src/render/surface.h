@@ -339,7 +339,7 @@ private:
     void soften_sphere_edges(const SurfaceView& view, const Texture2D& depth);
     bool softens_sphere_edges(const SurfaceView& view) const;
     /// Draws the edges of objects that have outlines over what draw() drew.
-    void draw_outlines(const SurfaceView& view);
+    void draw_outlines(const SurfaceView& view, const SurfaceShading& shading);
     bool casts_spheres(const Object& object) const;
     Eigen::AlignedBox3d sphere_bounds_m(const Object& object) const;
     /// What stands for real things, before all that is virtual; `program` as in draw_objects().

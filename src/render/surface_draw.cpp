@@ -342,7 +342,7 @@ SurfacePicture SurfaceRenderer::draw(const Environment& environment, const Surfa
             soften_sphere_edges(view, targets_->edge_depth);
         }
     }
-    draw_outlines(view);
+    draw_outlines(view, shading);
     return {.width = view.width,
             .height = view.height,
             .color = &targets_->color,

@@ -5,15 +5,15 @@
 
 namespace matchlight {
 
-void SurfaceRenderer::draw_outlines(const SurfaceView& view) {
+void SurfaceRenderer::draw_outlines(const SurfaceView& view, const SurfaceShading& shading) {
     std::vector<ObjectOutline> outlined;
     for (const Object& object : objects_) {
         if (object.is_holdout || object.materials.empty()) continue;
-        const ClassicShading& shading = object.materials.front().shading;
-        if (shading.outline_px > 0) {
+        const ClassicShading& drawing = object.materials.front().shading;
+        if (drawing.outline_px > 0) {
             outlined.push_back({.id = object.id,
-                                .width_px = shading.outline_px * view.density,
-                                .color = Eigen::Vector3d(shading.outline_color.data())});
+                                .width_px = drawing.outline_px * view.density,
+                                .color = Eigen::Vector3d(drawing.outline_color.data())});
         }
     }
     if (outlined.empty()) return;
@@ -25,7 +25,8 @@ void SurfaceRenderer::draw_outlines(const SurfaceView& view) {
                      .width = view.width,
                      .height = view.height,
                      .clip_from_world = view.clip_from_world,
-                     .target = targets_->resolved});
+                     .target = targets_->resolved,
+                     .bind_depth_cue = shading.fades_with_depth ? shading.bind : nullptr});
 }
 
 }  // namespace matchlight

@@ -246,6 +246,13 @@ TEST_F(LampScene, WhatIsVirtualFadesWithItsDistance) {
         }
     }
     EXPECT_GT(seen, 200);
+    // Lines, too.
+    shot.scene.objects[0].material.shading = {
+        .model = ShadingModel::cartoon, .outline_px = 3, .outline_color = {1, 0, 0}};
+    const CompositedFrame outlined = with_layers(shot);
+    for (int y = 0; y < outlined.layers->region.height; ++y) {
+        for (int x = 0; x < outlined.layers->region.width; ++x) EXPECT_EQ(outlined.layers->virtual_rgba.at(x, y, 0), 0);
+    }
     // Of no strength it is the identity, and drawn in no program.
     Shot without = make_shot(), none = make_shot();
     none.scene.effects.depth_cue = DepthCueSettings{.strength = 0};

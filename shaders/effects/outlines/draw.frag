@@ -8,6 +8,11 @@ uniform ivec2 picture_size;
 uniform float width_px;            // of the layer
 uniform vec3 outline_color;        // probe units
 
+#ifdef DEPTH_CUE
+#include "surface/depth_cue.glsl"
+uniform sampler2D layer_depth_m;
+#endif
+
 layout(location = 0) out vec4 line;   // a = how much of the pixel
 
 void main() {
@@ -25,5 +30,9 @@ void main() {
     // An edge's pixel is the line's first.
     float share = clamp(width_px - nearest, 0.0, 1.0);
     if (share <= 0.0) discard;
-    line = vec4(share * outline_color, share);
+    vec3 drawn = outline_color;
+#ifdef DEPTH_CUE
+    drawn = with_depth_cue(drawn, texelFetch(layer_depth_m, pixel, 0).r);
+#endif
+    line = vec4(share * drawn, share);
 }
