@@ -159,11 +159,11 @@ float relief_light_left(vec3 to_lamp, float size) {
     float way_m = relief_depth * relief_depth_m / cosine;
     float step_m = way_m / float(relief_steps);
     float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    vec2 uv_per_depth = -uv_per_m * (relief_depth_m / cosine);
+    ReliefRay ray = ReliefRay(relief_uv - relief_depth * uv_per_depth, uv_per_depth, relief_lod);
     float left = 1.0;
     for (float at_m = max(step_m, first_texels * texel_m); at_m < way_m && left > 0.0; at_m += step_m) {
-        float depth = relief_depth * (1.0 - at_m / way_m);
-        float gap = 1.0 - textureLod(relief_map, relief_uv + at_m * uv_per_m, relief_lod).r - depth;
-        float clear_m = gap * relief_depth_m * sine;
+        float clear_m = ray_above(ray, relief_depth * (1.0 - at_m / way_m)) * relief_depth_m * sine;
         left = min(left, 0.5 + 0.5 * clear_m / (size * at_m + sharpness_texels * texel_m));
     }
     return max(left, 0.0);

@@ -13,6 +13,7 @@
 #include "calibration/hdr_merge.h"
 #include "core/parallel.h"
 #include "lighting/ball_probe.h"
+#include "lighting/ball_unwrap.h"
 #include "lighting/resample.h"
 #include "report/srgb_picture.h"
 #include "report/synthetic_ball.h"
@@ -31,13 +32,11 @@ const MirrorBall ball{{0, 0, 0.05}, 0.035};
 /// The mean of `side` × `side` points of every pixel.
 ImageF supersampled(int width, int height, int side, const std::function<Vector3d(double x, double y)>& light) {
     ImageF image(width, height, 3);
+    const MapSamples samples = map_samples(side);
     parallel_for(height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             Vector3d sum = Vector3d::Zero();
-            for (int k = 0; k < side * side; ++k) {
-                const int column = k % side, row = k / side;
-                sum += light(x + (column + 0.5) / side - 0.5, y + (row + 0.5) / side - 0.5);
-            }
+            for (const auto& [across, down] : samples) sum += light(x + across, y + down);
             for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(sum[c] / (side * side));
         }
     });
