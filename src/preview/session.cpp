@@ -20,6 +20,8 @@ namespace {
 
 /// A hand that stands still for so long has come to rest.
 constexpr double rest_s = 0.3;
+/// Spheres in layers, but none in the shade of another.
+constexpr ShotLevel peeled_level{.level = QualityLevel::draft};
 
 }  // namespace
 
@@ -32,6 +34,7 @@ void Session::touch() {
     ++wish_;
     touched_ = Clock::now();
     // What is exact of something else is of no use, and takes time from what is quick.
+    give_up(peeled_);
     give_up(exact_);
 }
 
@@ -45,9 +48,10 @@ void Session::give_up(Drawer& drawer) {
 void Session::give_up() {
     playing_ = false;
     give_up(quick_);
+    give_up(peeled_);
     give_up(exact_);
     passes_ = false;
-    quick_.wish = exact_.wish = wish_;
+    quick_.wish = peeled_.wish = exact_.wish = wish_;
     changed_ = true;
     options_.print("given up: the picture stays as it is until something is changed");
 }
@@ -78,6 +82,13 @@ bool Session::simplifies_spheres() const {
     return !options_.strict && !has_quick_spheres_ && scene_ && std::ranges::any_of(scene_->objects, has_spheres);
 }
 
+bool Session::peels_first() const {
+    if (!simplifies_spheres() || level_ == peeled_level) return false;
+    return std::ranges::any_of(scene_->objects, [](const ObjectSettings& object) {
+        return !object.spheres.empty() && (object.sphere.opacity < 1 || !object.sphere.opacity_column.empty());
+    });
+}
+
 ShotLevel Session::quick_level() const {
     if (options_.strict) return level_;
     if (simplifies_spheres()) return {.level = QualityLevel::draft, .opaque_spheres = true};
@@ -86,18 +97,27 @@ ShotLevel Session::quick_level() const {
 
 std::string Session::sphere_mode() const {
     if (!simplifies_spheres() || !picture_) return "";
-    return shows_exact_ ? "spheres as the level has them" : "spheres opaque while it moves";
+    switch (shown_stage_) {
+        case Stage::quick:
+            return "spheres opaque while it moves";
+        case Stage::peeled:
+            return "spheres peeled, not yet shading each other";
+        case Stage::exact:
+            break;
+    }
+    return "spheres as the level has them";
 }
 
-void Session::take(Drawer& drawer, bool exact) {
+void Session::take(Drawer& drawer, Stage stage) {
     if (!drawer.thread) return;
     ShotNews news = drawer.thread->take();
-    if (news.facts && !exact) take_facts(std::move(news.facts));
-    if (news.shaders && !exact) take_shaders(*news.shaders);
+    const bool is_quick = stage == Stage::quick;
+    if (news.facts && is_quick) take_facts(std::move(news.facts));
+    if (news.shaders && is_quick) take_shaders(*news.shaders);
     if (news.picture && news.picture->serial == drawer.serial) {
         drawer.asked = false;
         // What is exact of something else by now is of no use.
-        if (!exact || drawer.wish == wish_) take_picture(std::move(*news.picture), exact);
+        if (is_quick || drawer.wish == wish_) take_picture(std::move(*news.picture), stage);
     }
     if (!news.failure) return;
     drawer.asked = false;
@@ -131,14 +151,15 @@ void Session::take_facts(std::shared_ptr<const ShotFacts> facts) {
     changed_ = true;
 }
 
-void Session::take_picture(ShotPicture picture, bool exact) {
+void Session::take_picture(ShotPicture picture, Stage stage) {
+    const bool exact = stage == Stage::exact;
     // What a hand can follow need not be simplified. A first picture says nothing: much is made with it that stays.
     constexpr double followed_ms = 100;
     const bool is_first = std::exchange(awaits_first_exact_, awaits_first_exact_ && !exact);
     constexpr double lost_ms = 3 * followed_ms;
     if (exact && !is_first && picture.ms < followed_ms) has_quick_spheres_ = true;
-    if (!exact && picture.ms > lost_ms) has_quick_spheres_ = false;
-    shows_exact_ = exact;
+    if (stage == Stage::quick && picture.ms > lost_ms) has_quick_spheres_ = false;
+    shown_stage_ = stage;
     // Where frames cannot be decoded, the next one is shown.
     if (quick_.wish == wish_) frame_ = picture.frame;
     if (playing_) {
@@ -168,18 +189,31 @@ void Session::take_shaders(const ShaderReload& shaders) {
 }
 
 void Session::update() {
-    take(quick_, false);
-    take(exact_, true);
+    take(quick_, Stage::quick);
+    take(peeled_, Stage::peeled);
+    take(exact_, Stage::exact);
     if (!facts_) return;
     if (playing_ && picture_ && !quick_.asked && quick_.wish == wish_ && next_due_s() <= 0.0) touch();
     // One picture at a time: so what is shown while a slider moves is as new as it can be.
     if (!quick_.asked && quick_.wish != wish_) ask(quick_, quick_level());
     if (!wants_exact() || quick_.asked || quick_.wish != wish_ || exact_.asked || exact_.wish == wish_) return;
     if (seconds_since(touched_) < rest_s) return;
-    if (!exact_.thread) {
-        exact_.thread = std::make_unique<ShotThread>(options_.scene, options_.quiet, warnings_, options_.wake);
+    ask_at_rest();
+}
+
+void Session::ask_at_rest() {
+    if (peeled_.asked) return;
+    if (peels_first() && peeled_.wish != wish_) {
+        ask_own_thread(peeled_, peeled_level);
+    } else {
+        ask_own_thread(exact_, level_);
     }
-    ask(exact_, level_);
+}
+
+void Session::ask_own_thread(Drawer& drawer, const ShotLevel& level) {
+    if (!drawer.thread)
+        drawer.thread = std::make_unique<ShotThread>(options_.scene, options_.quiet, warnings_, options_.wake);
+    ask(drawer, level);
 }
 
 void Session::ask(Drawer& drawer, const ShotLevel& level) {
@@ -223,7 +257,11 @@ bool Session::idle() const {
 }
 
 double Session::busy_s() const {
-    return std::max(quick_.thread->busy_s(), exact_.thread ? exact_.thread->busy_s() : 0.0);
+    double busy_s = quick_.thread->busy_s();
+    for (const Drawer* drawer : {&peeled_, &exact_}) {
+        if (drawer->thread) busy_s = std::max(busy_s, drawer->thread->busy_s());
+    }
+    return busy_s;
 }
 
 bool Session::is_told() const {
@@ -232,8 +270,11 @@ bool Session::is_told() const {
 }
 
 WorkStage Session::stage() const {
-    const bool exact = exact_.thread && exact_.thread->busy_s() > quick_.thread->busy_s();
-    return (exact ? exact_ : quick_).thread->stage();
+    const Drawer* busiest = &quick_;
+    for (const Drawer* drawer : {&peeled_, &exact_}) {
+        if (drawer->thread && drawer->thread->busy_s() > busiest->thread->busy_s()) busiest = drawer;
+    }
+    return busiest->thread->stage();
 }
 
 std::optional<double> Session::next_due_s() const {
@@ -316,7 +357,9 @@ void Session::ask_for_passes() {
 
 void Session::reload() {
     quick_.thread->reload();
-    if (exact_.thread) exact_.thread->reload();
+    for (const Drawer* drawer : {&peeled_, &exact_}) {
+        if (drawer->thread) drawer->thread->reload();
+    }
 }
 
 }  // namespace matchlight

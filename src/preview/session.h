@@ -63,9 +63,9 @@ public:
     std::int64_t frame_count() const { return facts_ ? facts_->footage.frame_count : 0; }
 
     const ShotLevel& level() const { return level_; }
-    /// How sets of spheres are drawn that take too long to be followed by a hand: as nothing but spheres while the view
-    /// or anything else moves, as the level has them (seen through, and shading each other) when it rests. Empty: as
-    /// the level has them, always.
+    /// How sets of spheres are drawn that take too long to be followed by a hand: opaque while the view or anything
+    /// else moves; seen through, layer by layer, as it rests, where any lets light through; then as the level has them,
+    /// shading each other. Empty: as the level has them, always.
     std::string sphere_mode() const;
     void set_level(const ShotLevel& level);
     void want(const WantedPictures& wanted);
@@ -143,16 +143,24 @@ private:
     void give_up(Drawer& drawer);
     /// As it is written by hand: relative to the scene where it lies beside or below it.
     std::string written(const std::filesystem::path& file) const;
+    /// What a picture is drawn for.
+    enum class Stage { quick, peeled, exact };
+
     bool wants_exact() const;
     bool simplifies_spheres() const;
+    /// Whether spheres that let light through are drawn so before they shade each other, too.
+    bool peels_first() const;
     ShotLevel quick_level() const;
-    void take(Drawer& drawer, bool exact);
+    void take(Drawer& drawer, Stage stage);
     void take_facts(std::shared_ptr<const ShotFacts> facts);
-    void take_picture(ShotPicture picture, bool exact);
+    void take_picture(ShotPicture picture, Stage stage);
     void take_shaders(const ShaderReload& shaders);
     void take_text(const SceneText& text);
     void set_trouble(const std::string& trouble);
     void ask(Drawer& drawer, const ShotLevel& level);
+    /// What is asked for once a hand rests: one stage after the other.
+    void ask_at_rest();
+    void ask_own_thread(Drawer& drawer, const ShotLevel& level);
 
     SessionOptions options_;
     Warnings& warnings_;
@@ -174,9 +182,9 @@ private:
     std::string watched_pass_;
     std::optional<ProbeForm> shown_probe_;
     std::vector<float> picture_times_ms_;
-    bool has_quick_spheres_ = false;  // even as the level has them
-    bool shows_exact_ = false;        // the picture is
-    bool awaits_first_exact_ = true;  // the next one will be the first
+    bool has_quick_spheres_ = false;    // even as the level has them
+    Stage shown_stage_ = Stage::quick;  // of the picture
+    bool awaits_first_exact_ = true;    // the next one will be the first
     bool passes_ = false;
     bool playing_ = false;
     bool dragging_ = false;
@@ -185,7 +193,7 @@ private:
     std::string shader_trouble_;  // until it is mended
     std::int64_t wish_ = 1;       // counts changes of what is wanted
     Clock::time_point touched_ = Clock::now();
-    Drawer quick_, exact_;
+    Drawer quick_, peeled_, exact_;
 };
 
 }  // namespace matchlight

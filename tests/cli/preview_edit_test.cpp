@@ -166,14 +166,30 @@ TEST_F(PreviewEditTest, AnApertureDrawnByHandIsWhatRenderReads) {
     EXPECT_TRUE(same(rendered(0), picture("drawn")));
 }
 
+/// Three balls before the camera.
+std::string balls_with(const std::string& settings) {
+    return "\n[[object]]\nspheres = \"balls.xyz\"\nscale = 0.1\nsphere = {radius = 0.4" + settings + "}\n";
+}
+constexpr const char* balls_xyz = "3\n\nO 0 -1 0.4\nC 0.5 -1 0.4\nN 0.2 -0.7 0.8\n";
+
 TEST_F(PreviewEditTest, SpheresAreOpaqueFirstAndAsTheyAreAtRest) {
-    std::ofstream(shot_ / "balls.xyz") << "3\n\nO 0 -1 0.4\nC 0.5 -1 0.4\nN 0.2 -0.7 0.8\n";
-    append_to_scene("\n[[object]]\nspheres = \"balls.xyz\"\nscale = 0.1\nsphere = {radius = 0.4, opacity = 0.5}\n");
+    std::ofstream(shot_ / "balls.xyz") << balls_xyz;
+    append_to_scene(balls_with(", opacity = 0.5"));
     const std::string printed =
         hand("wait_idle\nmeasure first\nkey 1\n" + shot("first") + "frame 3\nwait_idle\nframe 0\n" + shot("back"));
-    EXPECT_THAT(printed, HasSubstr(", 2 pictures, "));
+    EXPECT_THAT(printed, HasSubstr(", 2 pictures, ")) << "peeled at draft they are as the level has them";
     EXPECT_TRUE(same(rendered(0), picture("first")));
     EXPECT_TRUE(same(picture("back"), picture("first")));
+}
+
+TEST_F(PreviewEditTest, SpheresThatAreSeenThroughArePeeledBeforeTheyShadeEachOther) {
+    std::ofstream(shot_ / "balls.xyz") << balls_xyz;
+    const std::string finer = "wait_idle\nkey l\nwait_idle\nmeasure finer";
+    const std::string opaque = bytes_of(scene_) + balls_with("");
+    append_to_scene(balls_with(", opacity = 0.5"));
+    EXPECT_THAT(hand(finer), testing::ContainsRegex("finer: .*, 3 pictures, "));
+    std::ofstream(scene_) << opaque;
+    EXPECT_THAT(hand(finer), testing::ContainsRegex("finer: .*, 2 pictures, ")) << "no layers";
 }
 
 TEST_F(PreviewEditTest, TheResolutionOfAVirtualCameraIsChosen) {
