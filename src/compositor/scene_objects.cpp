@@ -13,6 +13,7 @@
 #include "scene/mesh_geometry.h"
 #include "scene/model.h"
 #include "scene/sphere_file.h"
+#include "scene/sphere_mesh.h"
 #include "scene/subdivide.h"
 #include "scene/surface_pictures.h"
 
@@ -59,7 +60,29 @@ void add_back_sides(Model& model) {
     }
 }
 
+void refuse_pictures(const ObjectSettings& object, const std::filesystem::path& scene) {
+    if (object.material.texture.empty() && object.material.detail == SurfaceDetail{}) return;
+    throw InputError(scene, fmt::format("object '{}' is a set of spheres, which takes no texture", object.name),
+                     "colour it by a column: color_column of [object.sphere]");
+}
+
 }  // namespace
+
+Model load_object_model(const ObjectSettings& object, const std::filesystem::path& scene, Warnings& warnings) {
+    if (!object.model.empty()) return load_model(object.model, warnings);
+    if (object.spheres.empty()) return make_shape(object.shape, scene);
+    refuse_pictures(object, scene);
+    const SphereSet set = load_sphere_set(object.spheres, object.sphere, warnings);
+    const std::optional<int> halvings = sphere_halvings(set.size());
+    if (!halvings) {
+        throw InputError(scene,
+                         fmt::format("object '{}' stands for a real thing with {} spheres of {}", object.name,
+                                     set.size(), object.spheres.string()),
+                         fmt::format("give a holdout {} at most, or a model in their place",
+                                     most_sphere_triangles / sphere_triangles(fewest_sphere_halvings)));
+    }
+    return mesh_of_spheres(set, *halvings);
+}
 
 SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const Solve& solve, const ClipTime& time,
                            const ObjectPreparation& preparation, Warnings& warnings)
@@ -76,10 +99,11 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
                             .casts_shadow = object.casts_shadow,
                             .is_holdout = object.holdout};
         Model model;  // of spheres: without a mesh
-        if (!object.spheres.empty()) {
+        const bool is_spheres = !object.spheres.empty() && !object.holdout;
+        if (is_spheres) {
             add_spheres(added, object, scene.path, warnings);
         } else {
-            model = object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
+            model = load_object_model(object, scene.path, warnings);
             if (!object.material.texture.empty()) set_base_color_texture(model, object.material.texture);
             std::optional<SurfacePictures> pictures;
             if (object.material.detail != SurfaceDetail{})
@@ -91,7 +115,7 @@ SceneObjects::SceneObjects(SurfaceRenderer& surfaces, const Scene& scene, const 
             surfaces.add_object(added);
             for (const ModelLamp& lamp : model.lamps) model_lamps_.push_back({objects_.size() - 1, lamp});
         }
-        if (rays_ && object.spheres.empty()) rays_->add_object(model, object.material, object.holdout);
+        if (rays_ && !is_spheres) rays_->add_object(model, object.material, object.holdout);
         PosedModel posed(model, object.animation.name, object.model.empty() ? scene.path : object.model);
         if (posed.moves()) deforming_.push_back({objects_.size() - 1, std::move(posed)});
         if (is_moving(objects_.size() - 1)) moving_.push_back(objects_.size() - 1);
@@ -121,15 +145,7 @@ void SceneObjects::set_scene(const Scene& scene, const Solve& solve, const ClipT
 
 void SceneObjects::add_spheres(const SurfaceObject& added, const ObjectSettings& object,
                                const std::filesystem::path& scene, Warnings& warnings) {
-    if (object.holdout) {
-        throw InputError(
-            scene, fmt::format("object '{}' is a set of spheres, which cannot stand for a real thing", object.name),
-            "use a model or a shape as holdout");
-    }
-    if (!object.material.texture.empty() || object.material.detail != SurfaceDetail{}) {
-        throw InputError(scene, fmt::format("object '{}' is a set of spheres, which takes no texture", object.name),
-                         "colour it by a column: color_column of [object.sphere]");
-    }
+    refuse_pictures(object, scene);
     SurfaceObject with_halo = added;
     with_halo.halo = object.sphere.halo;
     const SphereSet set = load_sphere_set(object.spheres, object.sphere, warnings);

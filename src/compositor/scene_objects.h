@@ -27,6 +27,10 @@ struct PlacementChange {
 /// The world or the tag that an object stands on. Throws InputError where the solve does not know the tag.
 Eigen::Affine3d world_from_parent(const ObjectSettings& object, const Solve& solve, const std::filesystem::path& scene);
 
+/// An object's model or shape, or the mesh that a holdout of spheres is. Throws InputError, also where those are more
+/// than a mesh is made of.
+Model load_object_model(const ObjectSettings& object, const std::filesystem::path& scene, Warnings& warnings);
+
 /// How the scene's objects are made ready.
 struct ObjectPreparation {
     bool fine_meshes = false;  // long edges are divided, so that light between objects, kept at vertices, shows

@@ -11,6 +11,7 @@
 #include "compositor/shutter.h"
 #include "core/parallel.h"
 #include "scene/ray_caster.h"
+#include "scene/sphere_file.h"
 
 namespace matchlight {
 
@@ -19,13 +20,12 @@ namespace {
 /// Pixels beside one show it, too: by the camera's own blur and the footage's subsampled colour.
 constexpr int margin_px = 2;
 
-Model load(const ObjectSettings& object, const Scene& scene, Warnings& warnings) {
-    return object.model.empty() ? make_shape(object.shape, scene.path) : load_model(object.model, warnings);
-}
-
-/// Sets of spheres have no triangles to cast at.
-bool stands_for_real(const ObjectSettings& object) {
-    return object.holdout && object.spheres.empty();
+/// What decides where the spheres of a file are, and how large.
+void add_spheres_as_read(ContentHash& hash, const ObjectSettings& object) {
+    const SphereSettings& sphere = object.sphere;
+    add_sphere_contents(hash, object.spheres);
+    hash.add(fmt::format("{:.17g} {} {:.17g} {} {}", sphere.radius.value_or(0), sphere.radius_column,
+                         sphere.radius_scale, static_cast<int>(sphere.up), sphere.frame));
 }
 
 void widen(Image8& mask, const Region& around) {
@@ -47,8 +47,8 @@ void widen(Image8& mask, const Region& around) {
 SurfaceHoldouts::SurfaceHoldouts(const Scene& scene, const Solve& solve, Warnings& warnings)
     : camera_(solve.camera), surface_z_m_(scene.surface.z_m) {
     for (const ObjectSettings& object : scene.objects) {
-        if (!stands_for_real(object)) continue;
-        Model model = load(object, scene, warnings);
+        if (!object.holdout) continue;
+        Model model = load_object_model(object, scene.path, warnings);
         PosedModel posed(model, object.animation.name, object.model.empty() ? scene.path : object.model);
         holdouts_.push_back({std::move(model), object, world_from_parent(object, solve, scene.path), std::move(posed)});
     }
@@ -103,9 +103,10 @@ void add_holdouts(ContentHash& hash, const Scene& scene, const Solve& solve,
     Warnings unheard;  // loading says the same
     unheard.set_quiet(true);
     for (const ObjectSettings& object : scene.objects) {
-        if (!stands_for_real(object)) continue;
+        if (!object.holdout) continue;
         hash.add(object.shape);
         if (!object.model.empty()) add_model_contents(hash, object.model, unheard);
+        if (!object.spheres.empty()) add_spheres_as_read(hash, object);
         const Eigen::Affine3d world_from = world_from_parent(object, solve, scene.path);
         const AnimationSettings& animation = object.animation;
         hash.add(

@@ -78,14 +78,16 @@ bool Session::wants_exact() const {
 }
 
 bool Session::simplifies_spheres() const {
-    const auto has_spheres = [](const ObjectSettings& object) { return !object.spheres.empty(); };
+    // Real things are never drawn.
+    const auto has_spheres = [](const ObjectSettings& object) { return !object.spheres.empty() && !object.holdout; };
     return !options_.strict && !has_quick_spheres_ && scene_ && std::ranges::any_of(scene_->objects, has_spheres);
 }
 
 bool Session::peels_first() const {
     if (!simplifies_spheres() || level_ == peeled_level) return false;
     return std::ranges::any_of(scene_->objects, [](const ObjectSettings& object) {
-        return !object.spheres.empty() && (object.sphere.opacity < 1 || !object.sphere.opacity_column.empty());
+        return !object.spheres.empty() && !object.holdout &&
+               (object.sphere.opacity < 1 || !object.sphere.opacity_column.empty());
     });
 }
 

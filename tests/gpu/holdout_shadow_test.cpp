@@ -1,6 +1,7 @@
 // The shadow of virtual objects on holdouts, against known answers.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
 
 #include <fmt/format.h>
@@ -100,6 +101,34 @@ TEST_F(HoldoutShadow, AWallLosesTheFormFactorOfABallInEvenLight) {
     EXPECT_LT(worst, 3 * 2.0 / 128);
     EXPECT_NEAR(sum / compared, 0, 0.004);
     std::filesystem::remove(probe);
+}
+
+TEST_F(HoldoutShadow, SpheresCatchItAsAShapeOfThemDoes) {
+    const std::filesystem::path probe = save_probe([](const Eigen::Vector3d& to) { return to.z() > 0.7 ? 1.0F : 0; });
+    // A real ball below the virtual one.
+    ObjectSettings real = shape("sphere", {0, 0, 0.03}, Eigen::Vector3d::Constant(0.06));
+    real.holdout = true;
+    shot_.scene.objects = {real, shape("sphere", {0, 0, 0.09}, Eigen::Vector3d::Constant(0.04))};
+    constexpr int directions = 64;
+    const FrameLayers of_shape = layers(directions);
+    real.shape.clear();
+    real.scale /= 2;  // the shape's radius is ½
+    real.spheres = std::filesystem::temp_directory_path() / fmt::format("matchlight_real_ball_{}.xyz", getpid());
+    std::ofstream(real.spheres) << "1\n\nO 0 0 0\n";
+    real.sphere.radius = 1;
+    shot_.scene.objects.front() = real;
+    const FrameLayers of_set = layers(directions);
+    std::filesystem::remove(real.spheres);
+    std::filesystem::remove(probe);
+    ASSERT_EQ(of_set.region.width, of_shape.region.width);
+    ASSERT_EQ(of_set.region.height, of_shape.region.height);
+    double difference = 0, taken = 0;
+    for (std::size_t i = 0; i < of_set.shadow.samples().size(); ++i) {
+        difference += std::abs(of_set.shadow.samples()[i] - of_shape.shadow.samples()[i]);
+        taken += std::abs(1 - of_shape.shadow.samples()[i]);
+    }
+    ASSERT_GT(taken, 100) << "a shadow lies on the real ball";
+    EXPECT_LT(difference, 0.03 * taken);
 }
 
 TEST_F(HoldoutShadow, TheTableHiddenBehindARealBoxKeepsItsShadowToItself) {

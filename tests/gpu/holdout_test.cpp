@@ -1,6 +1,11 @@
 // Shapes of real things hide what is virtual behind them, and are never seen themselves.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include "compositor_shot.h"
 
@@ -48,6 +53,35 @@ TEST_F(Holdout, what_is_wholly_behind_it_is_gone) {
     ASSERT_GT(ball, 500);
     shot_.scene.objects.push_back(box_before_the_ball());
     EXPECT_EQ(touched(composite(shot_, true)), 0);
+}
+
+TEST_F(Holdout, spheres_hide_and_are_not_seen_themselves) {
+    const std::filesystem::path file =
+        std::filesystem::temp_directory_path() / fmt::format("matchlight_holdout_{}.xyz", ::getpid());
+    std::ofstream(file) << "1\n\nO 0 0 0\n";
+    ObjectSettings ball;
+    ball.spheres = file;
+    ball.name = "real ball";
+    ball.sphere.radius = 1;
+    ball.holdout = true;
+    const ObjectSettings& hidden = shot_.scene.objects.front();
+    ball.translate_m = hidden.translate_m;
+    ball.scale = 0.55 * hidden.scale;  // a tenth larger: a shape's radius is ½
+    const CompositedFrame alone = composite(shot_, true);
+    shot_.scene.objects.push_back(ball);
+    EXPECT_EQ(touched(composite(shot_, true)), 0) << "the ball within it";
+
+    // Before a half of it, and as the built-in shape hides.
+    shot_.scene.objects.back().translate_m += Eigen::Vector3d(0.5, -0.5, 0).cwiseProduct(ball.scale);
+    const CompositedFrame by_spheres = composite(shot_, true);
+    ObjectSettings& shape = shot_.scene.objects.back();
+    shape.spheres.clear();
+    shape.shape = "sphere";
+    shape.scale *= 2;  // its radius is ½
+    const CompositedFrame by_shape = composite(shot_, true);
+    std::filesystem::remove(file);
+    EXPECT_LT(touched(by_shape), touched(alone) - 200);
+    EXPECT_NEAR(static_cast<double>(touched(by_spheres)), static_cast<double>(touched(by_shape)), 4);
 }
 
 TEST_F(Holdout, what_is_before_it_is_as_without_it) {
