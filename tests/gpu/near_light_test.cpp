@@ -127,6 +127,54 @@ TEST_F(NearLightTest, WhatGlowsLightsTheTable) {
     EXPECT_LT(brightest(near.layers->shadow, 1), 1.1F) << "and no more green than the ball throws back";
 }
 
+TEST_F(NearLightTest, ColouredSpheresBounceTheirLightAsMeshesOfThemDo) {
+    // A red sphere and a green one side by side, none glowing, and a dark ball far from them, beside which rays meet
+    // sets. Without rays the colours are guessed of all that casts in a direction, which mixes them.
+    constexpr double radius_m = 0.04, apart_m = 0.05;
+    const fs::path file = fs::temp_directory_path() / fmt::format("matchlight_bounce_{}.csv", ::getpid());
+    std::ofstream(file) << fmt::format("x,y,z,radius,red,green,blue\n{0},0,0,{1},255,0,0\n-{0},0,0,{1},0,255,0\n",
+                                       apart_m, radius_m);
+    Shot of_meshes = make_shot();
+    of_meshes.scene.objects.front().translate_m.x() = -0.4;
+    Shot of_set = of_meshes;
+    ObjectSettings sphere;
+    sphere.name = "coloured";
+    sphere.translate_m.z() = radius_m;
+    sphere.spheres = file;
+    of_set.scene.objects.push_back(sphere);
+    sphere.spheres.clear();
+    sphere.shape = "sphere";
+    sphere.scale.setConstant(2 * radius_m);
+    for (const double side : {1.0, -1.0}) {
+        sphere.translate_m.x() = side * apart_m;
+        sphere.material.base_color = side > 0 ? std::array{1.0, 0.0, 0.0} : std::array{0.0, 1.0, 0.0};
+        of_meshes.scene.objects.push_back(sphere);
+    }
+    Quality quality = quality_of(QualityLevel::draft);
+    quality.reflection.level = ReflectionLevel::rays;
+    const auto red_and_green = [&](const Shot& shot, int rays) {
+        quality.bounce = {.rays = rays, .surface_rays = 64, .bounces = 1, .surface_points = 24};
+        Compositor compositor(context(), shot.scene, shot.solve, {.settings = quality, .layers = true}, warnings_);
+        const FrameLayers layers = *compositor.composite(grey_plate(320, 180, plate_luma_)).layers;
+        Eigen::Array2d sums(0, 0);
+        for (int y = 0; y < layers.shadow.height(); ++y) {
+            for (int x = 0; x < layers.shadow.width(); ++x) {
+                const double redder = layers.shadow.at(x, y, 0) - layers.shadow.at(x, y, 1);
+                if (layers.alpha.at(x, y) == 0) sums[redder > 0 ? 0 : 1] += std::abs(redder);
+            }
+        }
+        return sums;
+    };
+    const Eigen::Array2d by_set = red_and_green(of_set, 8), by_meshes = red_and_green(of_meshes, 8);
+    const Eigen::Array2d guessed = red_and_green(of_set, 0);
+    fs::remove(file);
+    for (const int side : {0, 1}) {
+        EXPECT_GT(by_set[side], 10) << "both colours fall on the table";
+        EXPECT_LT(guessed[side], 0.5 * by_set[side]) << "and only rays know which is where";
+        EXPECT_NEAR(by_set[side] / by_meshes[side], 1, 0.1);
+    }
+}
+
 TEST_F(NearLightTest, TheSceneSaysWhatTheLevelDoesNot) {
     const auto frame_of = [&](const Shot& shot) {
         warnings_.set_quiet(true);
