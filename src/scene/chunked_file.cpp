@@ -16,11 +16,12 @@ namespace matchlight {
 ChunkedFile::ChunkedFile(std::filesystem::path path) : path_(std::move(path)) {
     std::error_code failure;
     const auto status = std::filesystem::status(path_, failure);
-    if (!std::filesystem::exists(status)) throw InputError(path_, "no such file");
-    if (!std::filesystem::is_regular_file(status)) throw InputError(path_, "is not a regular file");
+    if (!std::filesystem::exists(status)) throw InputError(path_, "no such file", "check its name and folder");
+    if (!std::filesystem::is_regular_file(status))
+        throw InputError(path_, "is not a regular file", "name a file of spheres");
     file_bytes_ = std::filesystem::file_size(path_, failure);
     if (failure) throw InputError(path_, "cannot be read: " + failure.message());
-    if (file_bytes_ == 0) throw InputError(path_, "is empty");
+    if (file_bytes_ == 0) throw InputError(path_, "is empty", "write or copy it again");
     buffer_.resize(2 * chunk_bytes);
     file_ = gzopen(path_.c_str(), "rb");
     if (file_ == nullptr) throw InputError(path_, "cannot be read");
@@ -75,7 +76,7 @@ std::optional<std::string_view> ChunkedFile::line() {
 
 std::string_view ChunkedFile::needed_line(std::string_view wanted) {
     const auto next = line();
-    if (!next) throw InputError(path_, fmt::format("it ends before {}", wanted));
+    if (!next) throw InputError(path_, fmt::format("it ends before {}", wanted), "write or copy it again whole");
     return *next;
 }
 
@@ -105,7 +106,8 @@ void ChunkedFile::check_count(std::uint64_t count, std::uint64_t least_bytes, st
     const std::uint64_t most_bytes = gzdirect(file_) == 1 ? file_bytes_ : file_bytes_ * 1032;
     // The last line needs no end.
     if (count <= (most_bytes + 1) / least_bytes) return;
-    fail(fmt::format("it promises {} {}, more than its {} bytes hold", count, things, file_bytes_));
+    fail(fmt::format("it promises {} {}, more than its {} bytes hold", count, things, file_bytes_),
+         "write or copy it again whole, or correct the number");
 }
 
 void ChunkedFile::fail(const std::string& cause, const std::string& cure) const {

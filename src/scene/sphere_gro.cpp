@@ -38,7 +38,8 @@ std::uint64_t read_count(ChunkedFile& file, std::int64_t frame) {
     file.needed_line(fmt::format("frame {}", frame));  // the title
     const std::string_view text = trimmed(file.needed_line(fmt::format("frame {}", frame)));
     const auto count = count_in(text);
-    if (!count) file.fail(fmt::format("'{}' is no number of atoms", text.substr(0, 40)));
+    if (!count)
+        file.fail(fmt::format("'{}' is no number of atoms", text.substr(0, 40)), "write how many follow, such as 3");
     constexpr std::uint64_t shortest_line = first_number + 6;
     file.check_count(*count, shortest_line, "atoms");
     return *count;

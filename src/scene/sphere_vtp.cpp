@@ -54,7 +54,9 @@ public:
     }
 
 private:
-    [[noreturn]] void fail(const std::string& cause) const { throw InputError(file_.path(), cause); }
+    [[noreturn]] void fail(const std::string& cause, const std::string& cure = {}) const {
+        throw InputError(file_.path(), cause, cure);
+    }
     std::optional<XmlTag> next_tag();
     void read_kind(const XmlTag& tag);
     void begin_piece(const XmlTag& tag);
@@ -104,7 +106,8 @@ void VtpReader::read_kind(const XmlTag& tag) {
     is_vtk_ = true;
     const std::string_view kind = tag.at("type"), packed = tag.at("compressor");
     if (kind != "PolyData" && kind != "UnstructuredGrid") {
-        fail(fmt::format("a data set of the kind '{}' has no spheres", kind.substr(0, 40)));
+        fail(fmt::format("a data set of the kind '{}' has no spheres", kind.substr(0, 40)),
+             "use PolyData or UnstructuredGrid");
     }
     if (!packed.empty() && packed != "vtkZLibDataCompressor") {
         fail(fmt::format("data packed by '{}' are not read", packed.substr(0, 40)));

@@ -103,7 +103,9 @@ SphereRecord record_in(const ChunkedFile& file, std::string_view line, const std
 std::uint64_t count_line(ChunkedFile& file, std::int64_t frame) {
     const std::string_view line = file.needed_line(fmt::format("frame {}", frame));
     const auto count = count_in(trimmed(line));
-    if (!count) file.fail(fmt::format("'{}' is no number of atoms", trimmed(line).substr(0, 40)));
+    if (!count)
+        file.fail(fmt::format("'{}' is no number of atoms", trimmed(line).substr(0, 40)),
+                  "write how many follow, such as 3");
     constexpr std::uint64_t shortest_line = 8;  // "C 0 0 0" and its end
     file.check_count(*count, shortest_line, "atoms");
     return *count;

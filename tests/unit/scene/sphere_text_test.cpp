@@ -61,7 +61,7 @@ TEST_F(SphereFile, OneFrameOfATrajectoryIsRead) {
     EXPECT_THAT(load("t.xyz", two, with([](SphereSettings& s) { s.frame = 1; })).spheres,
                 ElementsAre(sphere_at(2, 0, 0, 1.52F), sphere_at(3, 0, 0, 1.52F)));
     EXPECT_THAT(error_of("t.xyz", two, with([](SphereSettings& s) { s.frame = 2; })),
-                HasSubstr("it ends before frame 2"));
+                HasSubstr("it ends before frame 2; write or copy it again"));
 }
 
 TEST_F(SphereFile, UnknownElementsAreCounted) {
@@ -139,7 +139,8 @@ TEST_F(SphereFile, FilesThatAreWrongNameTheLine) {
     EXPECT_THAT(error_of("a.csv", "0,0,0,1\n"), HasSubstr("does not name the columns x, y and z"));
     EXPECT_THAT(error_of("a.csv", ""), HasSubstr("is empty"));
     EXPECT_THAT(error_of("a.csv", "x,y,z,radius\n" + std::string(3u << 20, '1')), HasSubstr("longer than"));
-    EXPECT_THAT(error_of("a.xyz", "two\n\nO 0 0 0\n"), HasSubstr("a.xyz:1: 'two' is no number of atoms"));
+    EXPECT_THAT(error_of("a.xyz", "two\n\nO 0 0 0\n"),
+                HasSubstr("a.xyz:1: 'two' is no number of atoms; write how many follow"));
     EXPECT_THAT(error_of("a.xyz", "-2\n\nO 0 0 0\n"), HasSubstr("no number of atoms"));
     EXPECT_THAT(error_of("a.xyz", "1000000000\n\nO 0 0 0\n"), HasSubstr("a.xyz:1: it promises 1000000000 atoms"));
     EXPECT_THAT(error_of("a.xyz", "2\n\nO 0.0000 0.0000 0.0000\n"), HasSubstr("ends before atom 2 of 2"));
